@@ -1,0 +1,121 @@
+// What an Engine is configured with, once. Defaults are those of a 346x260 camera on a small vehicle.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "egofocus/types.hpp"
+
+namespace egofocus {
+
+enum class Distortion : std::uint8_t {
+  kNone,
+  kPlumbBob,     ///< k1 k2 p1 p2 k3
+  kEquidistant,  ///< k1 k2 k3 k4 (fisheye)
+};
+
+/// The sensor as calibrated: pinhole and distortion of the raw pixels.
+struct CameraModel {
+  Intrinsics intrinsics;
+  Distortion distortion = Distortion::kNone;
+  double coefficients[5] = {0, 0, 0, 0, 0};
+};
+
+enum class LadderKind : std::uint8_t {
+  kParallax,  ///< the last hypothesis always spans `span_px` of rms displacement over the actual window
+  kMetric,    ///< the last hypothesis is 1 / z_near_m
+};
+
+/// Hypotheses are uniform in inverse depth: rho_k = k * step, rho_0 = 0 (infinity).
+struct LadderConfig {
+  LadderKind kind = LadderKind::kParallax;
+  std::int32_t hypotheses = 64;  ///< 8..64, a multiple of 8
+  double z_near_m = 2.0;         ///< nearest depth that must fit; with kParallax it limits the window's age
+  double span_px = 24.0;         ///< kParallax only
+  double min_parallax_px = 2.0;  ///< at z_near; below it the frame carries kNoParallax
+};
+
+struct WindowConfig {
+  std::int32_t max_events = 80000;  ///< more are decimated evenly, deterministically
+  std::int32_t min_events = 2000;   ///< fewer: kTooFewEvents (the depth is still given)
+  std::int64_t max_age_us = 200000;
+};
+
+/// The event filter. Zero switches a stage off.
+struct FilterConfig {
+  std::int64_t refractory_us = 0;         ///< an event this soon after the last kept one of its pixel is dropped
+  std::int64_t isolated_us = 0;           ///< no neighbour (8) had an event within this time: dropped
+  std::int32_t hot_pixel_rate_hz = 0;     ///< a pixel above this rate over `hot_pixel_learn_us` is masked
+  std::int64_t hot_pixel_learn_us = 1000000;
+};
+
+enum class MotionSource : std::uint8_t { kOdometry, kPoses };
+enum class MotionModel : std::uint8_t {
+  kFree,     ///< 6-dof: hand-held, drone, arm, vessel
+  kWheeled,  ///< no sideways or vertical speed at the body origin (non-holonomic)
+};
+
+struct MotionConfig {
+  MotionSource source = MotionSource::kOdometry;
+  MotionModel model = MotionModel::kFree;
+  /// p_camera = rotation * p_body + translation. Row-major. The default looks along body x.
+  double camera_from_body[9] = {0, -1, 0, 0, 0, -1, 1, 0, 0};
+  /// Camera centre in the body frame (lever arm).
+  double camera_in_body_m[3] = {0, 0, 0};
+  double gyro_noise_rad_s = 0.005;           ///< 1-sigma of one sample
+  double gyro_bias_walk_rad_s2 = 1e-4;       ///< per sqrt(s)
+  double accel_noise_m_s2 = 0.15;
+  double wheel_noise_m_s = 0.05;             ///< 1-sigma, quantisation included
+  double wheel_scale_error = 0.02;           ///< 1-sigma, relative
+  double lateral_noise_m_s = 0.05;           ///< of the non-holonomic measurement
+  double max_speed_m_s = 60.0;               ///< beyond it a sample is invalid
+  double max_rate_rad_s = 40.0;
+  std::int64_t stale_after_us = 100000;      ///< newest motion sample older than this: kStaleVelocity
+  std::int64_t max_pose_gap_us = 100000;     ///< between two poses; no track is built across a longer gap
+};
+
+enum class FocusCost : std::uint8_t {
+  kVariance,  ///< spread of the counts over the support
+  kSosa,      ///< sum of suppressed accumulations
+  kSoe,       ///< sum of exponentials
+  kSti,       ///< squared mean-time-stamp image
+};
+
+struct FocusConfig {
+  FocusCost cost = FocusCost::kVariance;
+  std::int32_t support_px = 9;   ///< r of the r x r support, odd, 3..15
+  std::int32_t min_support_events = 8;  ///< fewer votes in the support at the peak: no estimate
+};
+
+enum class Backend : std::uint8_t { kFocus };
+
+struct RateConfig {
+  double rate_hz = 20.0;            ///< 0.1..1000
+  std::int64_t lateness_us = 0;     ///< tick k is about t_k and runs at t_k + lateness_us
+};
+
+/// Capacities in samples: powers of two.
+struct RingConfig {
+  std::uint32_t events = 1u << 16;
+  std::uint32_t imu = 1u << 10;
+  std::uint32_t odometry = 1u << 10;
+  std::uint32_t poses = 1u << 10;
+};
+
+struct Config {
+  CameraModel camera;
+  /// Working grid; width 0 takes the camera's pinhole part as it is.
+  Intrinsics grid;
+  LadderConfig ladder;
+  WindowConfig window;
+  FilterConfig filter;
+  MotionConfig motion;
+  FocusConfig focus;
+  RateConfig rate;
+  RingConfig rings;
+  Backend backend = Backend::kFocus;
+  std::int32_t threads = 1;             ///< 1..8 workers; the bytes are the same for any number
+  std::uint32_t isa_mask = 0xffffffffu; ///< lowers the instruction sets that may be chosen (tests)
+};
+
+}  // namespace egofocus

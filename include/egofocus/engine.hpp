@@ -1,0 +1,79 @@
+// The one class a user must know: configure, feed or attach, start, tick, take the newest depth.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "egofocus/config.hpp"
+#include "egofocus/export.hpp"
+#include "egofocus/health.hpp"
+#include "egofocus/source.hpp"
+#include "egofocus/status.hpp"
+#include "egofocus/types.hpp"
+
+namespace egofocus {
+
+/// Which clock paces the ticks.
+enum class ClockKind : std::uint8_t {
+  kVirtual,    ///< time is what the samples say: tick() waits for data, not for the clock (replay, tests)
+  kMonotonic,  ///< CLOCK_MONOTONIC: tick() sleeps to its absolute deadline; sources poll on their own threads
+};
+
+/// Events and motion in, one depth map per tick out.
+///
+/// Order of calls: configure -> [attach ...] -> start -> tick, tick, ... -> stop. After start() no call
+/// allocates, locks, throws, logs or waits without bound.
+/// Thread: one thread owns the engine and calls configure, attach, start, tick, stop. inlets() may be written
+/// by others (see Inlets). newest() may be called from ONE other thread, health() from any.
+class EGOFOCUS_API Engine {
+ public:
+  Engine() noexcept = default;
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// The exact number of bytes that configure() takes from the arena, or the reason why the configuration
+  /// cannot be. RT: no.
+  static Status required_arena(const Config& config, std::size_t& bytes_out) noexcept;
+
+  /// Checks everything and plans the arena. On failure nothing is left half-started. `arena` must start at a
+  /// multiple of 64 bytes and outlive the engine. RT: no.
+  Status configure(const Config& config, std::span<std::byte> arena) noexcept;
+
+  /// Up to 8 sources, before start(). RT: no.
+  Status attach(const Source& source) noexcept;
+
+  /// `first_tick_us` is t_0 of the tick grid. Starts sources and threads. RT: no.
+  Status start(ClockKind clock, std::int64_t first_tick_us) noexcept;
+
+  /// The time that the next tick is about.
+  [[nodiscard]] std::int64_t next_tick_us() const noexcept;
+
+  /// One step: ingest -> ego-motion -> warp -> focus -> depth, and publication. A frame is published each time.
+  /// Returns false, and does nothing, when all attached sources ended before the tick's time (kVirtual), or
+  /// after request_stop(). RT: yes.
+  bool tick() noexcept;
+
+  /// The newest published frame; false before the first. RT: yes.
+  bool newest(DepthFrame& frame_out) noexcept;
+
+  /// Writing ends for callers that feed spans.
+  [[nodiscard]] Inlets inlets() noexcept;
+
+  /// Snapshot of the counters. RT: yes.
+  [[nodiscard]] Health health() const noexcept;
+
+  /// The ISA of the kernels chosen at configure(): "scalar", "avx2", ... RT: yes.
+  [[nodiscard]] const char* isa() const noexcept;
+
+  /// May be called from any thread or a signal handler.
+  void request_stop() noexcept;
+  void stop() noexcept;
+
+ private:
+  struct State;
+  State* state_ = nullptr;
+};
+
+}  // namespace egofocus

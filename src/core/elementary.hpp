@@ -1,0 +1,25 @@
+// Elementary functions from + - * / and sqrt alone: IEEE 754 fixes their bits, so they are equal on every machine,
+// which libm does not promise. Accuracy is far below what pixels or motion need (tests: 1e-13 relative or absolute).
+// Thread: any. RT: yes.
+#pragma once
+
+namespace egofocus {
+
+/// IEEE square root (an instruction, never a library call). Precondition: x >= 0.
+inline double square_root(double x) noexcept { return __builtin_sqrt(x); }
+inline double absolute(double x) noexcept { return x < 0 ? -x : x; }
+
+/// Radians; |x| <= 1e5.
+double sine(double x) noexcept;
+double cosine(double x) noexcept;
+double tangent(double x) noexcept;
+double arc_tangent(double x) noexcept;
+/// Four-quadrant; (0, 0) gives 0.
+double arc_tangent2(double y, double x) noexcept;
+/// e^x for |x| <= 700.
+double exponential(double x) noexcept;
+
+/// Largest integer <= x, for |x| < 2^53.
+double floor_of(double x) noexcept;
+
+}  // namespace egofocus
