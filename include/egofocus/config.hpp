@@ -81,17 +81,26 @@ struct MotionConfig {
   std::int64_t max_pose_gap_us = 100000;  ///< between two poses; no track is built across a longer gap
 };
 
+/// What "in focus" means for the image of warped events I_k, over a support around each pixel. Each cost has
+/// its expectation under evenly spread events taken off, and is divided by the number of events in the
+/// support.
 enum class FocusCost : std::uint8_t {
-  kVariance,  ///< spread of the counts over the support
-  kSosa,      ///< sum of suppressed accumulations
-  kSoe,       ///< sum of exponentials
-  kSti,       ///< squared mean-time-stamp image
+  kGradient,  ///< energy of the central differences of I_k (default: best on real events)
+  kVariance,  ///< squared counts
+  kSosa,      ///< sum of suppressed accumulations, exp(-0.4 I)
+  kSoe,       ///< sum of exponentials, exp(0.1 I)
+  kSti,       ///< squared time-stamp image: events of one edge share their mean time
 };
 
 struct FocusConfig {
-  FocusCost cost = FocusCost::kVariance;
-  std::int32_t support_px = 9;          ///< r of the r x r support, odd, 3..15
-  std::int32_t min_support_events = 8;  ///< fewer votes in the support at the peak: no estimate
+  FocusCost cost = FocusCost::kGradient;
+  /// Side of the support in cells of 2x2 pixels; odd, 3..15. The box is applied twice, which is nearly a
+  /// Gaussian.
+  std::int32_t support_cells = 7;
+  /// Semi-global smoothing of the cost volume along 4 paths; off: argmax alone.
+  bool smoothing = true;
+  /// Fewer events than this in the support at the peak: no estimate.
+  std::int32_t min_support_events = 8;
 };
 
 enum class Backend : std::uint8_t { kFocus };
