@@ -47,8 +47,8 @@ IsaSet detect_family() noexcept {
 #elif defined(__aarch64__)
 
 IsaSet detect_family() noexcept {
-  return isa_bit(Isa::kNeon);
-}  // part of the baseline
+  return isa_bit(Isa::kNeon);  // part of the baseline
+}
 
 #elif defined(__arm__)
 
@@ -83,8 +83,6 @@ const char* isa_name(Isa isa) noexcept {
       return "avx512";
     case Isa::kNeon:
       return "neon";
-    case Isa::kCount:
-      break;
   }
   return "unknown";
 }
