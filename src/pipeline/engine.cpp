@@ -29,6 +29,7 @@ struct AttachedSource {
   Inlets* inlets = nullptr;
   const std::atomic<bool>* stopping = nullptr;
   RtThread thread;
+  bool started = false;
 };
 
 // A live source: polled on its own thread, each wait bounded.
@@ -130,7 +131,7 @@ Status Engine::start(ClockKind clock, std::int64_t first_tick_us) noexcept {
   s.clock = monotonic_clock();
   s.stopping.store(false, std::memory_order_relaxed);
   s.scheduler.start(s.config.rate, first_tick_us);
-  const RealTimeConfig& rt = s.config.real_time;
+  const RealTimeConfig rt = clock == ClockKind::kMonotonic ? s.config.real_time : RealTimeConfig{};
   if (rt.lock_memory) s.counted.refused |= lock_memory();
   if (Status status = s.pool.start(s.config.threads, rt.fifo_priority, rt.cpu); !status.ok()) return status;
   s.started = true;  // from here on stop() cleans up
@@ -139,6 +140,7 @@ Status Engine::start(ClockKind clock, std::int64_t first_tick_us) noexcept {
     attached.newest = {};
     Status status;
     if (attached.source.start != nullptr) status = attached.source.start(attached.source.self);
+    attached.started = status.ok();
     if (status.ok() && clock == ClockKind::kMonotonic) {
       status = attached.thread.start({"egofocus-in", rt.fifo_priority, -1}, poll_until_stopped, &attached);
     }
@@ -176,7 +178,9 @@ bool Engine::State::deliver_until(std::int64_t tick_us) noexcept {
 }
 
 bool Engine::tick() noexcept {
+  if (state_ == nullptr || !state_->started) return false;
   State& s = *state_;
+  if (s.stopping.load(std::memory_order_relaxed)) return false;
   const std::int64_t tick_us = s.scheduler.tick_us();
   std::int64_t late_us = 0;
   if (s.clock_kind == ClockKind::kVirtual) {
@@ -207,8 +211,11 @@ bool Engine::tick() noexcept {
   s.pipeline.report(s.counted);
   s.counted.events.in = s.rings.events.offered();
   s.counted.events.ring_dropped = s.rings.events.dropped();
+  s.counted.imu.in = s.rings.imu.offered();
   s.counted.imu.ring_dropped = s.rings.imu.dropped();
+  s.counted.odometry.in = s.rings.odometry.offered();
   s.counted.odometry.ring_dropped = s.rings.odometry.dropped();
+  s.counted.poses.in = s.rings.poses.offered();
   s.counted.poses.ring_dropped = s.rings.poses.dropped();
   s.health.publish(s.counted);
   return true;
@@ -247,8 +254,10 @@ void Engine::stop() noexcept {
   State& s = *state_;
   s.stopping.store(true, std::memory_order_relaxed);
   for (int i = 0; i < s.source_count; ++i) {
-    s.sources[i].thread.join();
-    if (s.sources[i].source.stop != nullptr) s.sources[i].source.stop(s.sources[i].source.self);
+    AttachedSource& attached = s.sources[i];
+    attached.thread.join();
+    if (attached.started && attached.source.stop != nullptr) attached.source.stop(attached.source.self);
+    attached.started = false;
   }
   s.pool.stop();
   s.started = false;

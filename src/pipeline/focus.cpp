@@ -3,7 +3,8 @@
 namespace egofocus {
 namespace {
 
-// The runner-up must lie further than this from the best: nearer ones are the same peak.
+// The runner-up must lie further than this from the best: nearer ones are the same peak. A short ladder has
+// a shorter reach, so that there is always a runner-up.
 constexpr std::int32_t kPeakReach = 4;
 constexpr std::uint32_t kPenaltyUnit =
     128;  // penalty of a hypothesis that is worse by the frame's mean contrast
@@ -21,9 +22,10 @@ Peak find_peak(const std::int32_t* score, std::int32_t hypotheses) noexcept {
   for (std::int32_t k = 1; k < hypotheses; ++k) {
     if (score[k] < score[peak.best]) peak.best = k;
   }
+  const std::int32_t reach = hypotheses / 4 < kPeakReach ? hypotheses / 4 : kPeakReach;
   std::int32_t runner_up = INT32_MAX;
   for (std::int32_t k = 0; k < hypotheses; ++k) {
-    const bool apart = k < peak.best - kPeakReach || k > peak.best + kPeakReach;
+    const bool apart = k < peak.best - reach || k > peak.best + reach;
     if (apart && score[k] < runner_up) runner_up = score[k];
   }
   peak.gap = runner_up - score[peak.best];

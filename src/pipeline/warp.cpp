@@ -43,7 +43,8 @@ LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsic
   // Behind the reference camera: k * step * c_z >= 1.
   while (k_end > 0 && (k_end - 1) * step_per_m * c_z >= 1.0) --k_end;
   const double largest = kMaxPosition_px / hypotheses;
-  if (!(absolute(du) < largest && absolute(dv) < largest)) {  // leaves any grid after hypothesis 0
+  // More than 125 px from one hypothesis to the next: nothing to compare, and it could leave the Q16 range.
+  if (!(absolute(du) < largest && absolute(dv) < largest)) {
     du = 0;
     dv = 0;
     k_end = k_end < 1 ? k_end : 1;
