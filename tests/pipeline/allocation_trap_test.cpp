@@ -2,11 +2,6 @@
 // themselves are replaced here; each counts when the trap is armed and then does its work.
 //
 // Source threads belong to the caller and may do as they like, so this program feeds spans instead.
-#include <typeinfo>
-
-// Declared before anything throws, or the compiler would make up its own declaration.
-extern "C" [[noreturn]] void __cxa_throw(void* thrown, std::type_info* type, void (*destructor)(void*));
-
 #include <dlfcn.h>
 #include <pthread.h>
 
@@ -112,8 +107,10 @@ int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex, co
   return real(condition, mutex, until);
 }
 
-void __cxa_throw(void* thrown, std::type_info* type, void (*destructor)(void*)) {
-  static const auto real = next<void(void*, std::type_info*, void (*)(void*))>("__cxa_throw");
+// Under another name: the compiler has its own, unwritten declaration of this one.
+[[noreturn]] void count_throw(void* thrown, void* type, void (*destructor)(void*)) __asm__("__cxa_throw");
+void count_throw(void* thrown, void* type, void (*destructor)(void*)) {
+  static const auto real = next<void(void*, void*, void (*)(void*))>("__cxa_throw");
   count(exceptions);
   real(thrown, type, destructor);
   std::abort();
