@@ -35,10 +35,11 @@ IsaSet compiled_isas() {
 IsaSet expected_isas() {
   const char* forced = std::getenv("EGOFOCUS_EXPECT_ISA");
   if (forced == nullptr) return compiled_isas() & detect_isa();
-  const std::string list = "," + std::string(forced) + ",";
+  const std::string list = std::string(",").append(forced).append(",");
   IsaSet set = isa_bit(Isa::kScalar);
   for (Isa isa : kEveryIsa) {
-    if (list.find("," + std::string(isa_name(isa)) + ",") != std::string::npos) set |= isa_bit(isa);
+    if (list.find(std::string(",").append(isa_name(isa)).append(",")) != std::string::npos)
+      set |= isa_bit(isa);
   }
   return set;
 }
@@ -46,7 +47,7 @@ IsaSet expected_isas() {
 std::string names(IsaSet set) {
   std::string text;
   for (Isa isa : kEveryIsa) {
-    if (has_isa(set, isa)) text += std::string(" ") + isa_name(isa);
+    if (has_isa(set, isa)) text.append(" ").append(isa_name(isa));
   }
   return text;
 }
@@ -87,4 +88,3 @@ std::uint32_t test_seed() {
 }
 
 }  // namespace egofocus::test
-
