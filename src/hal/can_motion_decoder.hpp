@@ -55,10 +55,11 @@ class CanMotionDecoder {
 
   // One configured signal, ready to be decoded.
   struct Part {
-    DbcSignal signal;
+    std::uint16_t signal = 0;  // index into dbc_.signals
     std::uint64_t raw_max = UINT64_MAX;
     double scale = 1;
     double offset = 0;
+    double unit = 1;
     Kind kind = kGyro;
     std::uint8_t slot = 0;  // in Group::values
   };
@@ -68,8 +69,12 @@ class CanMotionDecoder {
     bool extended = false;
     std::uint8_t first_part = 0;
     std::uint8_t part_count = 0;
-    bool has_counter = false;
-    DbcSignal counter;
+    std::int16_t counter = -1;  // index into dbc_.signals, or -1
+  };
+  // The counter of a frame, if its message has one.
+  struct SampleCount {
+    bool known = false;
+    std::uint64_t value = 0;
   };
   // A sample that is being put together.
   struct Group {
@@ -77,18 +82,27 @@ class CanMotionDecoder {
     std::uint32_t wanted = 0;  // a bit per slot
     std::uint32_t there = 0;
     std::int64_t first_us = 0;
-    std::uint64_t counter = 0;
-    bool has_counter = false;
+    SampleCount count;  // of its first frame
     bool invalid = false;
   };
 
-  void emit(Kind kind, std::int64_t last_us, MotionSamples& out) noexcept;
+  Status build() noexcept;
+  Status add_entry(std::size_t index, const DbcMessage& message, Route& route) noexcept;
+  [[nodiscard]] Status missing(std::size_t index) const noexcept;
+  [[nodiscard]] const Route* find_route(const CanFrame& frame) const noexcept;
+  [[nodiscard]] bool belongs(const Group& group, std::uint32_t bit, std::int64_t t_us,
+                             SampleCount count) const noexcept;
+  void take(const Part& part, std::uint64_t raw, std::int64_t t_us, SampleCount count,
+            MotionSamples& out) noexcept;
+  void emit(Kind kind, std::int64_t t_us, MotionSamples& out) const noexcept;
 
   Dbc dbc_;
   CanMotionConfig config_;
   Route routes_[CanMotionConfig::kMaxSignals];
   std::size_t route_count_ = 0;
   Part parts_[CanMotionConfig::kMaxSignals];
+  std::size_t part_count_ = 0;
+  std::size_t wheels_ = 0;
   Group groups_[kKinds];
   CanMotionCounters counters_;
 };

@@ -51,6 +51,7 @@ struct DbcMessage {
 struct Dbc {
   static constexpr std::size_t kMaxMessages = 64;
   static constexpr std::size_t kMaxSignals = 256;
+  static constexpr int kMaxMultiplexers = 8;  ///< one above the other
 
   DbcMessage messages[kMaxMessages];
   DbcSignal signals[kMaxSignals];  ///< those of one message stand together
