@@ -27,7 +27,8 @@ inline constexpr Names<FocusCost, 4> kCostNames{{{"variance", FocusCost::kVarian
                                                  {"sosa", FocusCost::kSosa},
                                                  {"soe", FocusCost::kSoe},
                                                  {"sti", FocusCost::kSti}}};
-inline constexpr Names<int, 6> kAxisNames{{{"x", 1}, {"y", 2}, {"z", 3}, {"-x", -1}, {"-y", -2}, {"-z", -3}}};
+inline constexpr Names<std::int8_t, 6> kAxisNames{
+    {{"x", 1}, {"y", 2}, {"z", 3}, {"-x", -1}, {"-y", -2}, {"-z", -3}}};
 
 template <typename Section>
 void describe_intrinsics(Section& s, Intrinsics& v) {
@@ -114,13 +115,23 @@ void describe(Section& s, RingConfig& v) {
   s.optional("poses", v.poses);
 }
 
+inline const char* unit_name(CanUnit unit) noexcept {
+  constexpr const char* kNames[] = {"si", "deg/s", "g", "km/h"};
+  return kNames[static_cast<std::size_t>(unit)];
+}
+inline const char* role_name(CanRole role) noexcept {
+  return to_string(role);
+}
+
 template <typename Section>
-void describe(Section& s, CanSignal& v) {
-  s.required("message", v.message);
-  s.required("signal", v.signal);
-  s.required("role", v.role);
-  s.optional("unit", v.unit);
-  s.optional("sign", v.sign);
+void describe(Section& s, CanSignalRole& v) {
+  s.name("message", v.message);
+  s.name("signal", v.signal);
+  s.required_named("role", v.role, can_role_of, role_name, kCanRoles);
+  s.named("unit", v.unit, can_unit_of, unit_name, 4);
+  s.optional("scale", v.scale);
+  s.optional("offset", v.offset);
+  s.limit("raw_max", v.raw_max);
 }
 
 /// The truth's unit is a plain number in CameraFile; a section needs a type of its own.
@@ -136,8 +147,14 @@ void describe(Section& s, DepthSection& v) {
 template <typename Section>
 void describe(Section& s, CanSetup& v) {
   s.required("dbc", v.dbc);
-  s.axes("imu_axes", v.imu_axes, kAxisNames);
-  s.tables("signals", v.signals);
+  s.axes("gyro_axes", v.motion.gyro_axes, kAxisNames);
+  s.axes("accel_axes", v.motion.accel_axes, kAxisNames);
+  s.optional("group_window_us", v.motion.group_window_us);
+  s.optional("stamp_last_frame", v.motion.stamp_last_frame);
+  s.optional("imu_delay_us", v.motion.imu_delay_us);
+  s.optional("odometry_delay_us", v.motion.odometry_delay_us);
+  s.optional("match_parameter_group", v.motion.match_parameter_group);
+  s.tables("signals", v.motion.signals, v.motion.signal_count);
 }
 
 /// `File` offers section(name, value).

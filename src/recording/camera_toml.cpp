@@ -31,11 +31,15 @@ class SectionReader {
 
   template <typename T>
   void required(const char* key, T& value) {
+    need(key);
+    optional(key, value);
+  }
+
+  void need(const char* key) const {
     if (!table_.contains(key)) {
       fail(file_, table_.source(),
            title_ + " lacks the key `" + key + "`. Add it; docs/formats.md has an example.");
     }
-    optional(key, value);
   }
 
   template <typename T>
@@ -58,23 +62,65 @@ class SectionReader {
   }
 
   template <std::size_t N>
-  void axes(const char* key, std::array<int, 3>& value, const Names<int, N>& names) {
+  void axes(const char* key, AxisMap& value, const Names<std::int8_t, N>& names) {
     const toml::node* node = find(key);
     if (!node) return;
     const toml::array& array = array_of(*node, key, 3);
-    for (std::size_t i = 0; i < array.size(); ++i) value[i] = chosen(array[i], key, names);
+    for (std::size_t i = 0; i < array.size(); ++i) value.from[i] = chosen(array[i], key, names);
   }
 
-  template <typename T>
-  void tables(const char* key, std::vector<T>& values) {
+  /// A required text with a longest length.
+  template <std::size_t N>
+  void name(const char* key, char (&value)[N]) {
+    std::string text;
+    required(key, text);
+    if (text.size() >= N)
+      wrong(*table_.get(key), key, "must have at most " + std::to_string(N - 1) + " characters");
+    text.copy(value, text.size());
+    value[text.size()] = '\0';
+  }
+
+  /// A required name that the decoder knows.
+  template <typename Enum>
+  void required_named(const char* key, Enum& value, bool (*value_of)(std::string_view, Enum&) noexcept,
+                      const char* (*name_of)(Enum) noexcept, std::size_t count) {
+    need(key);
+    named(key, value, value_of, name_of, count);
+  }
+
+  template <typename Enum>
+  void named(const char* key, Enum& value, bool (*value_of)(std::string_view, Enum&) noexcept,
+             const char* (*name_of)(Enum) noexcept, std::size_t count) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    if (node->is_string() && value_of(node->as_string()->get(), value)) return;
+    std::string list;
+    for (std::size_t i = 0; i < count; ++i)
+      list += std::string(i > 0 ? ", " : "") + name_of(static_cast<Enum>(i));
+    wrong(*node, key, "must be one of " + list);
+  }
+
+  /// No key: no limit.
+  void limit(const char* key, std::uint64_t& value) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    std::int64_t number = 0;
+    read(*node, key, number);
+    if (number < 0) wrong(*node, key, "must not be negative");
+    value = static_cast<std::uint64_t>(number);
+  }
+
+  template <typename T, std::size_t N>
+  void tables(const char* key, T (&values)[N], std::size_t& count) {
     const toml::node* node = find(key);
     if (!node) return;
     const toml::array* array = node->as_array();
     if (!array || !array->is_homogeneous<toml::table>())
       wrong(*node, key, "must be a list of tables [[can.signals]]");
+    if (array->size() > N) wrong(*node, key, "must have at most " + std::to_string(N) + " entries");
     for (const toml::node& entry : *array) {
       SectionReader reader(*entry.as_table(), "[[can.signals]]", file_);
-      describe(reader, values.emplace_back());
+      describe(reader, values[count++]);
       reader.finish();
     }
   }
@@ -130,6 +176,11 @@ class SectionReader {
     if (!node.is_number()) wrong(node, key, "must be a number");
     value =
         node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
+  }
+
+  void read(const toml::node& node, const char* key, bool& value) const {
+    if (!node.is_boolean()) wrong(node, key, "must be true or false");
+    value = node.as_boolean()->get();
   }
 
   template <typename Integer>
@@ -209,12 +260,6 @@ CameraFile parse_camera_toml(std::string_view text, const std::string& name) {
     reader.finish();
   } catch (const toml::parse_error& error) {
     fail(name, error.source(), "is no valid TOML: " + std::string(error.description()));
-  }
-  for (const CanSignal& signal : file.can.signals) {
-    if (signal.sign != 1 && signal.sign != -1) {
-      throw Error(ExitCode::kConfiguration, name,
-                  "[[can.signals]] " + signal.signal + ": `sign` must be 1 or -1.");
-    }
   }
   return file;
 }

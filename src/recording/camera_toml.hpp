@@ -2,31 +2,19 @@
 // schema.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "egofocus/config.hpp"
+#include "hal/can_motion_config.hpp"
 
 namespace egofocus::recording {
-
-/// One signal of the DBC and what it means to the ego-motion.
-struct CanSignal {
-  std::string message;
-  std::string signal;
-  std::string role;  ///< "gyro_x", "accel_z", "wheel_speed", "velocity_x", ...: see docs/formats.md
-  std::string unit;  ///< "rad/s", "deg/s", "m/s2", "g", "m/s", "km/h"; empty: the role's SI unit
-  double sign = 1;   ///< +1 or -1, applied after the DBC's factor and offset
-};
 
 /// The CAN part. No signals: the recording has no CAN motion.
 struct CanSetup {
   std::string dbc;  ///< file name inside the recording folder
-  /// Which sensor axis is body x, y, z: +1 = sensor x, -2 = minus sensor y, ...
-  std::array<int, 3> imu_axes = {1, 2, 3};
-  std::vector<CanSignal> signals;
+  CanMotionConfig motion;
 };
 
 struct CameraFile {

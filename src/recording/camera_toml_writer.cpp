@@ -35,7 +35,9 @@ class SectionWriter {
 
   template <typename T>
   void optional(const char* key, const T& value) {
-    if constexpr (std::is_arithmetic_v<T>) {
+    if constexpr (std::is_same_v<T, bool>) {
+      line(key, value ? "true" : "false");
+    } else if constexpr (std::is_arithmetic_v<T>) {
       line(key, toml_number(value));
     } else {
       line(key, in_quotes(value));
@@ -55,17 +57,35 @@ class SectionWriter {
   }
 
   template <std::size_t N>
-  void axes(const char* key, const std::array<int, 3>& value, const Names<int, N>& names) {
+  void axes(const char* key, const AxisMap& value, const Names<std::int8_t, N>& names) {
     std::string list;
-    for (const int axis : value) list += (list.empty() ? "[" : ", ") + in_quotes(name_of(axis, names));
+    for (const std::int8_t axis : value.from)
+      list += (list.empty() ? "[" : ", ") + in_quotes(name_of(axis, names));
     line(key, list + "]");
   }
 
-  template <typename T>
-  void tables(const char*, std::vector<T>& values) {
-    for (T& value : values) {
+  void name(const char* key, const char* value) { line(key, in_quotes(value)); }
+
+  template <typename Enum>
+  void named(const char* key, Enum value, bool (*)(std::string_view, Enum&) noexcept,
+             const char* (*name_of_value)(Enum) noexcept, std::size_t) {
+    line(key, in_quotes(name_of_value(value)));
+  }
+
+  template <typename... Arguments>
+  void required_named(Arguments... arguments) {
+    named(arguments...);
+  }
+
+  void limit(const char* key, std::uint64_t value) {
+    if (value <= static_cast<std::uint64_t>(INT64_MAX)) line(key, toml_number(value));
+  }
+
+  template <typename T, std::size_t N>
+  void tables(const char*, T (&values)[N], std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
       out_ += "\n[[can.signals]]\n";
-      describe(*this, value);
+      describe(*this, values[i]);
     }
   }
 
@@ -101,7 +121,7 @@ class FileWriter {
     return true;
   }
   static bool present(const Intrinsics& grid) { return grid.width_px != 0; }
-  static bool present(const CanSetup& can) { return !can.signals.empty(); }
+  static bool present(const CanSetup& can) { return can.motion.signal_count > 0; }
 };
 
 }  // namespace

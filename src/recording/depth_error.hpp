@@ -35,7 +35,7 @@ struct DepthError {
 
 /// The same of a frame on the truth's grid, all pixels with an estimate, or only the `most_confident` ones
 /// among the pixels that have truth (ties go to the smaller pixel index).
-[[nodiscard]] DepthError depth_error(const DepthFrame& frame, std::span<const float> truth_m,
+[[nodiscard]] DepthError frame_error(const DepthFrame& frame, std::span<const float> truth_m,
                                      std::size_t most_confident = SIZE_MAX);
 
 }  // namespace egofocus::recording

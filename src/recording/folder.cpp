@@ -1,9 +1,9 @@
 #include "recording/folder.hpp"
 
 #include <algorithm>
+#include <charconv>
 
 #include "recording/error.hpp"
-#include "recording/number_text.hpp"
 #include "recording/png_io.hpp"
 #include "recording/pose_file.hpp"
 #include "recording/text_file.hpp"
@@ -25,7 +25,7 @@ std::vector<DepthTruth> list_truth(const fs::path& folder) {
     if (entry.path().extension() != ".png") continue;
     const std::string stem = entry.path().stem().string();
     DepthTruth item{0, entry.path()};
-    if (!parse_number(std::string_view(stem), item.t_us)) {
+    if (std::from_chars(stem.data(), stem.data() + stem.size(), item.t_us).ptr != stem.data() + stem.size()) {
       throw Error(ExitCode::kBadFile, entry.path().string(),
                   "the name of a depth picture is its time in microseconds, such as 000000123456.png.");
     }
@@ -60,7 +60,7 @@ void check_motion(const Folder& folder) {
     check_pose_gaps(folder.poses, motion.max_pose_gap_us, (folder.path / "poses.txt").string());
     return;
   }
-  if (folder.camera.can.signals.empty()) {
+  if (folder.camera.can.motion.signal_count == 0) {
     throw Error(ExitCode::kConfiguration, (folder.path / "camera.toml").string(),
                 "the motion source is odometry, and [can] names no signals. Add [[can.signals]], or set "
                 "[motion] source "

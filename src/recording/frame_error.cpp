@@ -5,7 +5,7 @@
 
 namespace egofocus::recording {
 
-DepthError depth_error(const DepthFrame& frame, std::span<const float> truth_m, std::size_t most_confident) {
+DepthError frame_error(const DepthFrame& frame, std::span<const float> truth_m, std::size_t most_confident) {
   std::vector<float> depth(truth_m.size(), 0.0f);
   metric_depth(frame, kFarthestTruthM, depth);
   std::vector<std::size_t> known;

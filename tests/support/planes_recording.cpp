@@ -5,15 +5,33 @@
 
 namespace egofocus::sim {
 
+namespace {
+
+void add_signal(CanMotionConfig& config, std::string_view message, std::string_view signal, CanRole role,
+                CanUnit unit = CanUnit::kSi) {
+  CanSignalRole& entry = config.signals[config.signal_count++];
+  message.copy(entry.message, kMaxDbcName);
+  signal.copy(entry.signal, kMaxDbcName);
+  entry.role = role;
+  entry.unit = unit;
+}
+
+}  // namespace
+
 recording::CameraFile planes_camera(const PlaneSimulator& simulator) {
   recording::CameraFile file = simulator.camera();
   file.can.dbc = "vehicle.dbc";
-  file.can.signals = {
-      {"IMU_RATE", "GyroX", "gyro_x", "deg/s", 1},     {"IMU_RATE", "GyroY", "gyro_y", "deg/s", 1},
-      {"IMU_RATE", "GyroZ", "gyro_z", "deg/s", 1},     {"IMU_FORCE", "AccelX", "accel_x", "m/s^2", 1},
-      {"IMU_FORCE", "AccelY", "accel_y", "m/s^2", 1},  {"IMU_FORCE", "AccelZ", "accel_z", "m/s^2", 1},
-      {"BODY_MOTION", "VelX", "velocity_x", "m/s", 1}, {"BODY_MOTION", "VelY", "velocity_y", "m/s", 1},
-      {"BODY_MOTION", "VelZ", "velocity_z", "m/s", 1}};
+  CanMotionConfig& can = file.can.motion;
+  can.group_window_us = 2000;
+  add_signal(can, "IMU_RATE", "GyroX", CanRole::kGyroX, CanUnit::kDegPerSecond);
+  add_signal(can, "IMU_RATE", "GyroY", CanRole::kGyroY, CanUnit::kDegPerSecond);
+  add_signal(can, "IMU_RATE", "GyroZ", CanRole::kGyroZ, CanUnit::kDegPerSecond);
+  add_signal(can, "IMU_FORCE", "AccelX", CanRole::kAccelX);
+  add_signal(can, "IMU_FORCE", "AccelY", CanRole::kAccelY);
+  add_signal(can, "IMU_FORCE", "AccelZ", CanRole::kAccelZ);
+  add_signal(can, "BODY_MOTION", "VelX", CanRole::kVelocityX);
+  add_signal(can, "BODY_MOTION", "VelY", CanRole::kVelocityY);
+  add_signal(can, "BODY_MOTION", "VelZ", CanRole::kVelocityZ);
   return file;
 }
 
