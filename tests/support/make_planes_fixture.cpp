@@ -5,6 +5,7 @@
 #include "recording/error.hpp"
 #include "recording/folder.hpp"
 #include "recording/png_io.hpp"
+#include "recording/raw_file.hpp"
 #include "recording/text_file.hpp"
 #include "support/planes_recording.hpp"
 
@@ -18,7 +19,11 @@ int main(int argc, char** argv) {
     const std::filesystem::path folder = argv[1];
     std::filesystem::create_directories(folder / "depth");
     sim::PlaneSimulator simulator;
-    for (const auto& [name, content] : sim::planes_files(simulator)) {
+    const Intrinsics& camera = simulator.camera().config.camera.intrinsics;
+    recording::write_raw_file(
+        folder / "events.raw", simulator.events(),
+        {static_cast<std::uint16_t>(camera.width_px), static_cast<std::uint16_t>(camera.height_px)});
+    for (const auto& [name, content] : sim::planes_texts(simulator)) {
       recording::write_text_file(folder / name, content);
       std::printf("%-12s %9zu bytes\n", name.c_str(), content.size());
     }

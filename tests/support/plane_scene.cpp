@@ -29,9 +29,9 @@ double lattice_noise(int x, int y, int cell, int side, std::uint64_t seed) {
   return top + fy * (bottom - top);
 }
 
-/// Blotches with soft edges: most of the contrast on few lines, as in natural pictures.
+/// Blotches with edges about a texel wide: most of the contrast on few lines, as in natural pictures.
 double blotch(double noise) {
-  const double t = (noise - 0.5) * 5.0 + 0.5;
+  const double t = (noise - 0.5) * 12.0 + 0.5;
   return smooth_step(t < 0 ? 0 : (t > 1 ? 1 : t));
 }
 
@@ -44,8 +44,8 @@ Rectangle facing(const Vec3& centre, double half_width_m, double half_height_m, 
 
 PlaneScene PlaneScene::standard(std::uint64_t seed) {
   return PlaneScene(
-      {facing({6.0, 0, 0}, 1e3, 1e3, 0, 0), facing({1.35, 0.42, -0.20}, 0.26, 0.24, 0.25, 0),
-       facing({1.8, -0.60, 0.25}, 0.34, 0.28, -0.3, 0.1), facing({2.4, 0.35, 0.60}, 0.50, 0.26, 0, -0.2),
+      {facing({6.0, 0, 0}, 1e3, 1e3, 0, 0), facing({1.6, 0.45, -0.25}, 0.30, 0.28, 0.25, 0),
+       facing({2.0, -0.70, 0.28}, 0.36, 0.28, -0.3, 0.1), facing({2.4, 0.35, 0.60}, 0.50, 0.26, 0, -0.2),
        facing({3.2, -0.30, -0.75}, 0.90, 0.40, 0, 0.3), facing({4.2, 1.50, 0.40}, 0.70, 0.80, 0.2, 0),
        facing({4.5, -1.90, -0.20}, 0.70, 0.90, -0.2, 0)},
       seed);

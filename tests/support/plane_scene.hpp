@@ -31,7 +31,7 @@ struct Hit {
 
 class PlaneScene {
  public:
-  /// Six rectangles between 1.2 and 4.5 m and a wall at 6 m, seen from near the origin.
+  /// Six rectangles between 1.6 and 4.5 m and a wall at 6 m, seen from near the origin.
   static PlaneScene standard(std::uint64_t seed);
 
   PlaneScene(std::vector<Rectangle> rectangles, std::uint64_t seed);

@@ -26,12 +26,12 @@ class PlaneSimulator {
  public:
   static constexpr std::int64_t kViewPeriodUs = 2500;  ///< image motion between two views stays below 1 px
   static constexpr std::int64_t kPosePeriodUs = 5000;
-  static constexpr std::int64_t kTickPeriodUs = 100000;
+  static constexpr std::int64_t kTickPeriodUs = 50000;
   static constexpr double kDepthScaleM = 0.001;
 
   explicit PlaneSimulator(std::uint64_t seed = 1);
 
-  /// Standstill, lateral, forward, mixed, pure rotation, standstill: 3.0 s.
+  /// Standstill, lateral, forward, mixed, pure rotation, standstill: 2.8 s.
   [[nodiscard]] static std::vector<PhaseSpan> phases();
 
   [[nodiscard]] const recording::CameraFile& camera() const { return camera_; }

@@ -1,7 +1,6 @@
 #include "support/planes_recording.hpp"
 
 #include "recording/pose_file.hpp"
-#include "recording/raw_file.hpp"
 
 namespace egofocus::sim {
 
@@ -35,13 +34,8 @@ recording::CameraFile planes_camera(const PlaneSimulator& simulator) {
   return file;
 }
 
-std::map<std::string, std::string> planes_files(PlaneSimulator& simulator) {
-  const Intrinsics& camera = simulator.camera().config.camera.intrinsics;
-  const SensorSize size{static_cast<std::uint16_t>(camera.width_px),
-                        static_cast<std::uint16_t>(camera.height_px)};
-  const std::vector<std::byte> raw = recording::raw_file_bytes(simulator.events(), size);
-  return {{"events.raw", std::string(reinterpret_cast<const char*>(raw.data()), raw.size())},
-          {"can.log", simulator.can_log()},
+std::map<std::string, std::string> planes_texts(const PlaneSimulator& simulator) {
+  return {{"can.log", simulator.can_log()},
           {"vehicle.dbc", vehicle_dbc()},
           {"poses.txt", recording::poses_text(simulator.poses())},
           {"camera.toml", recording::camera_toml_text(planes_camera(simulator))}};

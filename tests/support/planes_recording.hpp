@@ -8,8 +8,8 @@
 
 namespace egofocus::sim {
 
-/// File name -> content, of all but the depth pictures.
-std::map<std::string, std::string> planes_files(PlaneSimulator& simulator);
+/// File name -> content of the text files.
+std::map<std::string, std::string> planes_texts(const PlaneSimulator& simulator);
 
 /// Times of the depth pictures: each tick from the first with a full period behind it to the end.
 std::vector<std::int64_t> planes_ticks(const PlaneSimulator& simulator);
