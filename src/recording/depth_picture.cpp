@@ -19,7 +19,7 @@ constexpr std::uint8_t mix(int a, int b, int weight_of_b, int full) noexcept {
   return static_cast<std::uint8_t>((a * (full - weight_of_b) + b * weight_of_b + full / 2) / full);
 }
 
-std::size_t area(std::int32_t width, std::int32_t height) {
+[[maybe_unused]] std::size_t area(std::int32_t width, std::int32_t height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "recording/error.hpp"
+#include "recording/text_file.hpp"
 
 using namespace egofocus;
 using namespace egofocus::recording;
@@ -150,4 +151,28 @@ TEST_CASE("each mistake in [can] is named, too") {
   std::string many = can;
   for (int i = 0; i < 33; ++i) many += signal + "role = \"wheel_speed\"\n";
   CHECK_THAT(complaint(many), Contains("at most 32 entries"));
+}
+
+TEST_CASE("the example of docs/formats.md is a good file") {
+  const std::string page = read_text_file(EGOFOCUS_SOURCE_DIR "/docs/formats.md");
+  const std::size_t begin = page.find("```toml\n") + 8;
+  const CameraFile file = parse_camera_toml(page.substr(begin, page.find("```", begin) - begin), "formats.md");
+  CHECK(file.config.motion.model == MotionModel::kWheeled);
+  CHECK(file.can.motion.signal_count == 2);
+  CHECK(file.can.motion.gyro_axes.from[2] == -3);
+}
+
+TEST_CASE("docs/formats.md names each key that can be set") {
+  const std::string page = read_text_file(EGOFOCUS_SOURCE_DIR "/docs/formats.md");
+  CameraFile file = parse_camera_toml(kCamera, "camera.toml");
+  file.config.grid = file.config.camera.intrinsics;
+  file.can.motion.signal_count = 1;
+  file.can.motion.signals[0].raw_max = 1;
+  const std::string text = camera_toml_text(file);
+  for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
+    const std::string line = text.substr(at, text.find('\n', at) - at);
+    const std::string word = line.substr(0, line.find(" ="));
+    INFO(word);
+    CHECK(page.find(word) != std::string::npos);
+  }
 }
