@@ -160,8 +160,8 @@ void EgoMotion::use(const PoseSample& sample) noexcept {
   if (!pose_history_.add(sample)) ++pose_counters_.rejected;
 }
 
-/// The rate is known at the gyro's times: entries in between would hold it back. What odometry brought shows up at the
-/// next gyro sample; only without a gyro at once.
+/// The rate is known at the gyro's times: entries in between would hold it back. What odometry brought shows
+/// up at the next gyro sample; only without a gyro at once.
 void EgoMotion::remember(std::int64_t t_us, bool new_rate) noexcept {
   if (!filter_.ready()) {
     history_.clear();

@@ -9,13 +9,15 @@ namespace {
 constexpr double kGravity_m_s2 = 9.80665;
 
 // What is believed before anything was measured (1-sigma).
-constexpr double kBiasPrior_rad_s = 0.03;
-constexpr double kGravityPrior_m_s2 = 1.5;        // the first reading may come from a robot that accelerates
-constexpr double kGravityLengthPrior_m_s2 = 0.2;  // accelerometer scale and bias, place on earth
+constexpr double kGyroBiasPrior_rad_s = 0.03;
+constexpr double kAccelBiasPrior_m_s2 = 0.1;
+constexpr double kGravityPrior_m_s2 = 1.5;         // the first reading may come from a robot that accelerates
+constexpr double kGravityLengthPrior_m_s2 = 0.03;  // places on earth
 constexpr double kVelocityPrior_m_s = 10;
 
 // How far things wander, per sqrt(s).
-constexpr double kGravityWalk_m_s2 = 0.02;  // an accelerometer bias is not carried along by g' = -omega x g
+constexpr double kGravityWalk_m_s2 = 0.002;  // sculling and what else a sampled gyro does not see
+constexpr double kAccelBiasWalk_m_s2 = 0.002;
 constexpr double kScaleWalk = 1e-4;
 // What stands in for a missing sensor: that much, changing every kUnknownFor_s.
 constexpr double kUnknownAccel_m_s2 = 3;
@@ -47,7 +49,11 @@ VelocityFilter::VelocityFilter(const MotionConfig& config) noexcept : config_(co
   const double* const r = config.camera_from_body;
   camera_from_body_ << r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8];
   lever_arm_ = vec3(config.camera_in_body_m);
-  for (int i = 0; i < 3; ++i) covariance_(kBias + i, kBias + i) = kBiasPrior_rad_s * kBiasPrior_rad_s;
+  for (int i = 0; i < 3; ++i)
+    covariance_(kGyroBias + i, kGyroBias + i) = kGyroBiasPrior_rad_s * kGyroBiasPrior_rad_s;
+  for (int i = 0; i < 3; ++i) {
+    covariance_(kAccelBias + i, kAccelBias + i) = kAccelBiasPrior_m_s2 * kAccelBiasPrior_m_s2;
+  }
   covariance_(kScale, kScale) = config.wheel_scale_error * config.wheel_scale_error;
 }
 
@@ -73,7 +79,7 @@ void VelocityFilter::use(const ImuSample& sample) noexcept {
   if (standstill_.standing()) {
     if (!sample.has_gyro) return;
     for (int i = 0; i < 3; ++i)
-      correct(kBias + i, gyro_.value[i], config_.gyro_noise_rad_s, Outlier::kReject);
+      correct(kGyroBias + i, gyro_.value[i], config_.gyro_noise_rad_s, Outlier::kReject);
   } else if (config_.model == MotionModel::kWheeled && ready_ && t_us_ - lateral_us_ >= kLateralEvery_us) {
     lateral_us_ = t_us_;
     for (int i = 1; i < 3; ++i) correct(kVelocity + i, 0, config_.lateral_noise_m_s, Outlier::kWeaken);
@@ -112,10 +118,10 @@ void VelocityFilter::move_to(std::int64_t t_us, const Vec3& gyro, const Vec3& ac
   const double h = seconds(step_us);
   const bool turning = has_gyro();
   const bool pushed = has_accel() && gravity_known_;
-  const Vec3 rate = turning ? Vec3(gyro - bias_) : Vec3(Vec3::Zero());
+  const Vec3 rate = turning ? Vec3(gyro - gyro_bias_) : Vec3(Vec3::Zero());
   const Mat3 half_turn = to_matrix(from_rotation_vector(rate * (-h / 2)));
   const Mat3 turn = half_turn * half_turn;
-  if (pushed) velocity_ = turn * velocity_ + half_turn * (accel - half_turn * gravity_) * h;
+  if (pushed) velocity_ = turn * velocity_ + half_turn * (accel - accel_bias_ - half_turn * gravity_) * h;
   gravity_ = turn * gravity_;
 
   // A rate error d turns v and g by h v x d and h g x d; a bias error is a rate error with the other sign.
@@ -123,14 +129,14 @@ void VelocityFilter::move_to(std::int64_t t_us, const Vec3& gyro, const Vec3& ac
   const Mat3 gravity_turn = skew(gravity_);
   Covariance f = Covariance::Identity();
   f.block<3, 3>(kGravity, kGravity) = turn;
-  f.block<3, 3>(kGravity, kBias) = gravity_turn * -h;
+  f.block<3, 3>(kGravity, kGyroBias) = gravity_turn * -h;
   if (pushed) {
     f.block<3, 3>(kVelocity, kVelocity) = turn;
     f.block<3, 3>(kVelocity, kGravity) = turn * -h;
-    f.block<3, 3>(kVelocity, kBias) = velocity_turn * -h;
+    f.block<3, 3>(kVelocity, kGyroBias) = velocity_turn * -h;
+    f.block<3, 3>(kVelocity, kAccelBias) = half_turn * -h;
   }
-  const Covariance moved = f.lazyProduct(covariance_);
-  covariance_ = moved.lazyProduct(f.transpose());
+  covariance_ = product(product(f, covariance_), f.transpose());
 
   const double gyro_sigma = turning ? config_.gyro_noise_rad_s : kUnknownRate_rad_s;
   const double turn_noise = gyro_sigma * gyro_sigma * (turning ? gyro_.period_s : kUnknownFor_s) * h;
@@ -146,16 +152,17 @@ void VelocityFilter::move_to(std::int64_t t_us, const Vec3& gyro, const Vec3& ac
   for (int i = 0; i < 3; ++i) {
     covariance_(kVelocity + i, kVelocity + i) += push_noise;
     covariance_(kGravity + i, kGravity + i) += kGravityWalk_m_s2 * kGravityWalk_m_s2 * h;
-    covariance_(kBias + i, kBias + i) += config_.gyro_bias_walk_rad_s2 * config_.gyro_bias_walk_rad_s2 * h;
+    covariance_(kGyroBias + i, kGyroBias + i) +=
+        config_.gyro_bias_walk_rad_s2 * config_.gyro_bias_walk_rad_s2 * h;
+    covariance_(kAccelBias + i, kAccelBias + i) += kAccelBiasWalk_m_s2 * kAccelBiasWalk_m_s2 * h;
   }
   covariance_(kScale, kScale) += kScaleWalk * kScaleWalk * h;
-  // Rounding must not make it drift from symmetry.
-  covariance_ = Covariance((covariance_ + covariance_.transpose()) * 0.5);
+  make_symmetric(covariance_);
 }
 
 void VelocityFilter::start_gravity() noexcept {
   gravity_known_ = true;
-  gravity_ = accel_.value;
+  gravity_ = accel_.value - accel_bias_;
   covariance_.middleRows<3>(kGravity).setZero();
   covariance_.middleCols<3>(kGravity).setZero();
   for (int i = 0; i < 3; ++i)
@@ -228,25 +235,26 @@ void VelocityFilter::measure_standstill() noexcept {
 }
 
 bool VelocityFilter::fits(const Row& h, double residual, double variance) const noexcept {
-  const double expected = h.lazyProduct(covariance_).dot(h) + variance;
+  const double expected = dot(product(h, covariance_), h) + variance;
   return residual * residual <= kGate2 * expected;
 }
 
 void VelocityFilter::update(const Row& h, double residual, double variance) noexcept {
-  const Row ph = h.lazyProduct(covariance_);
-  const double expected = ph.dot(h) + variance;
+  const Row ph = product(h, covariance_);
+  const double expected = dot(ph, h) + variance;
   const Row gain = ph / expected;
   velocity_ += gain.segment<3>(kVelocity).transpose() * residual;
   gravity_ += gain.segment<3>(kGravity).transpose() * residual;
-  bias_ += gain.segment<3>(kBias).transpose() * residual;
+  gyro_bias_ += gain.segment<3>(kGyroBias).transpose() * residual;
+  accel_bias_ += gain.segment<3>(kAccelBias).transpose() * residual;
   scale_ += gain(kScale) * residual;
-  covariance_ -= gain.transpose().lazyProduct(ph);
+  subtract_outer(covariance_, gain, ph);
 }
 
 /// One state is measured directly. Beyond the gate it is ignored, or so weakened that it sits on the gate:
 /// what is wrong for long then still wins in the end.
 void VelocityFilter::correct(int state, double value, double sigma, Outlier outlier) noexcept {
-  const double now = state < kGravity ? velocity_[state - kVelocity] : bias_[state - kBias];
+  const double now = state < kGravity ? velocity_[state - kVelocity] : gyro_bias_[state - kGyroBias];
   const double residual = value - now;
   double variance = sigma * sigma;
   const double expected = covariance_(state, state) + variance;
@@ -261,15 +269,15 @@ void VelocityFilter::correct(int state, double value, double sigma, Outlier outl
 
 CameraMotion VelocityFilter::camera_motion() const noexcept {
   const bool turning = has_gyro();
-  const Vec3 rate = turning ? Vec3(gyro_.value - bias_) : Vec3(Vec3::Zero());
+  const Vec3 rate = turning ? Vec3(gyro_.value - gyro_bias_) : Vec3(Vec3::Zero());
   const Vec3 velocity = velocity_ + cross(rate, lever_arm_);
 
   // v + (gyro - b) x l depends on b by l x db, and on the gyro's noise by the opposite.
   const Mat3 lever = skew(lever_arm_);
   const double sigma = turning ? config_.gyro_noise_rad_s : kUnknownRate_rad_s;
-  const Mat3 cross_term = covariance_.block<3, 3>(kVelocity, kBias) * lever.transpose();
+  const Mat3 cross_term = covariance_.block<3, 3>(kVelocity, kGyroBias) * lever.transpose();
   Mat3 rate_covariance = Mat3::Identity() * (sigma * sigma);
-  if (turning) rate_covariance += covariance_.block<3, 3>(kBias, kBias);
+  if (turning) rate_covariance += covariance_.block<3, 3>(kGyroBias, kGyroBias);
   Mat3 velocity_covariance = covariance_.block<3, 3>(kVelocity, kVelocity);
   velocity_covariance += lever * rate_covariance * lever.transpose();
   if (turning) velocity_covariance += cross_term + cross_term.transpose();

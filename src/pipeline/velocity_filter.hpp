@@ -1,16 +1,19 @@
-// Velocity, gravity, gyro bias and wheel scale from inertial samples and odometry: an error-state Kalman
+// Velocity, gravity, sensor biases and wheel scale from inertial samples and odometry: an error-state Kalman
 // filter.
 //
 // All states live in the body frame, so no attitude is needed and every error is a plain vector:
 //   v  velocity of the body origin                   v' = f - g - omega x v      (f: specific force,
 //   accelerometer) g  specific force at rest: gravity, pointing up  g' = -omega x g b  gyro bias omega = gyro
 //   - b, b' = noise s  wheel scale error                             wheel speed = (1 + s) v_x
-// g is free in length as well: a constant accelerometer bias goes into it.
+// A robot that never tilts cannot tell a from g; their sum is what counts, and the covariance knows.
 //
 // Measurements: wheel speed (v_x and s) or body velocity (v); kWheeled: v_y = v_z = 0 at kLateralEvery_us;
 // and at standstill, when gyro, accelerometer and odometry are all quiet: v = 0 and gyro = b. (A turn that is
 // slow, perfectly even and on the spot looks like a bias until the bias is known; afterwards the gate refuses
 // it.)
+//
+// The yaw bias of a kWheeled robot shows at standstill and when speed changes; at a constant speed it looks
+// like a roll (b_z v = g_y), and the covariance says so.
 //
 // What may be missing:
 //   no accelerometer   velocity keeps its direction in the body and wanders as kUnknownAccel says
@@ -23,6 +26,7 @@
 
 #include "egofocus/config.hpp"
 #include "egofocus/types.hpp"
+#include "pipeline/covariance.hpp"
 #include "pipeline/eigen.hpp"
 #include "pipeline/motion_track.hpp"
 #include "pipeline/standstill.hpp"
@@ -32,15 +36,12 @@ namespace egofocus {
 /// Thread: one. RT: yes, O(1) per sample.
 class VelocityFilter {
  public:
-  static constexpr int kStates = 10;
-  using Covariance = egofocus_eigen::Matrix<double, kStates, kStates>;
-  using Row = egofocus_eigen::Matrix<double, 1, kStates>;
-
   /// First state of each part.
   static constexpr int kVelocity = 0;
   static constexpr int kGravity = 3;
-  static constexpr int kBias = 6;
-  static constexpr int kScale = 9;
+  static constexpr int kGyroBias = 6;
+  static constexpr int kAccelBias = 9;
+  static constexpr int kScale = 12;
 
   static constexpr std::int64_t kHold_us = 100000;  ///< a gyro or accelerometer silent for longer is missing
   static constexpr std::int64_t kRestart_us =
@@ -66,7 +67,7 @@ class VelocityFilter {
 
   [[nodiscard]] const Vec3& velocity_m_s() const noexcept { return velocity_; }
   [[nodiscard]] const Vec3& gravity_m_s2() const noexcept { return gravity_; }
-  [[nodiscard]] const Vec3& gyro_bias_rad_s() const noexcept { return bias_; }
+  [[nodiscard]] const Vec3& gyro_bias_rad_s() const noexcept { return gyro_bias_; }
   [[nodiscard]] double wheel_scale() const noexcept { return scale_; }
   [[nodiscard]] bool standing() const noexcept { return standstill_.standing(); }
   [[nodiscard]] const Covariance& covariance() const noexcept { return covariance_; }
@@ -108,7 +109,8 @@ class VelocityFilter {
 
   Vec3 velocity_ = Vec3::Zero();
   Vec3 gravity_ = Vec3::Zero();
-  Vec3 bias_ = Vec3::Zero();
+  Vec3 gyro_bias_ = Vec3::Zero();
+  Vec3 accel_bias_ = Vec3::Zero();
   double scale_ = 0;
   Covariance covariance_ = Covariance::Zero();  // in the order of the k... constants above
 };

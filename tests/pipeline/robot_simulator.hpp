@@ -1,5 +1,5 @@
-// A robot that moves on an analytic path, and its sensors with their faults. Portable to the bit: + - * / sqrt and
-// core/elementary only, so a hash of what a filter makes of it is the same on every machine.
+// A robot that moves on an analytic path, and its sensors with their faults. Portable to the bit: + - * /
+// sqrt and core/elementary only, so a hash of what a filter makes of it is the same on every machine.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,8 @@ struct Triple {
 };
 
 inline Triple cross_of(const Triple& a, const Triple& b) {
-  return {{a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2], a.v[0] * b.v[1] - a.v[1] * b.v[0]}};
+  return {{a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2],
+           a.v[0] * b.v[1] - a.v[1] * b.v[0]}};
 }
 
 /// Body velocity and rate as functions of time in seconds.
@@ -51,8 +52,8 @@ inline double ramp(double t, double from, double to) {
   return s * s * (3 - 2 * s);
 }
 
-/// A car: stands for 2 s, 12 m/s by 9 s, then faster and slower; turns left at 14-19 s and right at 22-26 s; uneven road;
-/// slips 0.02 m/s sideways; stands again after 36 s.
+/// A car: stands for 2 s, 12 m/s by 9 s, then faster and slower; turns left at 14-19 s and right at 22-26 s;
+/// uneven road; slips 0.02 m/s sideways; stands again after 36 s.
 inline Path car_path() {
   const auto moving = [](double t) { return ramp(t, 2, 9) * (1 - ramp(t, 30, 36)); };
   return {[moving](double t) {
@@ -62,7 +63,8 @@ inline Path car_path() {
           },
           [moving](double t) {
             const double m = moving(t);
-            const double yaw = 0.4 * ramp(t, 14, 15) * (1 - ramp(t, 18, 19)) - 0.5 * ramp(t, 22, 23) * (1 - ramp(t, 25, 26));
+            const double yaw =
+                0.4 * ramp(t, 14, 15) * (1 - ramp(t, 18, 19)) - 0.5 * ramp(t, 22, 23) * (1 - ramp(t, 25, 26));
             return Triple{{0.03 * m * sine(5 * t), 0.04 * m * cosine(4.3 * t), m * yaw}};
           }};
 }
@@ -128,7 +130,8 @@ class RobotSimulator {
     sample.has_accel = true;
     for (int i = 0; i < 3; ++i) {
       const double push = (ahead.v[i] - behind.v[i]) / (2 * h) + coriolis.v[i] + gravity_.v[i];
-      sample.gyro_rad_s[i] = w.v[i] + faults_.gyro_bias_rad_s.v[i] + faults_.gyro_noise_rad_s * random_.gauss();
+      sample.gyro_rad_s[i] =
+          w.v[i] + faults_.gyro_bias_rad_s.v[i] + faults_.gyro_noise_rad_s * random_.gauss();
       sample.accel_m_s2[i] = push + faults_.accel_bias_m_s2.v[i] + faults_.accel_noise_m_s2 * random_.gauss();
     }
     return sample;
@@ -136,7 +139,8 @@ class RobotSimulator {
 
   OdometrySample wheel() {
     const double v = velocity().v[0];
-    const double noisy = v == 0 ? 0 : (1 + faults_.wheel_scale) * v + faults_.wheel_noise_m_s * random_.gauss();
+    const double noisy =
+        v == 0 ? 0 : (1 + faults_.wheel_scale) * v + faults_.wheel_noise_m_s * random_.gauss();
     OdometrySample sample;
     sample.t_us = t_us_;
     sample.velocity_m_s[0] = faults_.wheel_step_m_s * floor_of(noisy / faults_.wheel_step_m_s + 0.5);
