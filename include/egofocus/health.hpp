@@ -31,6 +31,7 @@ struct EventCounters {
   std::uint64_t ring_dropped = 0;  ///< ring full
   std::uint64_t out_of_range = 0;  ///< x or y outside the sensor
   std::uint64_t out_of_order = 0;  ///< older than its predecessor
+  std::uint64_t ahead = 0;         ///< kMonotonic: more than a second after the tick, a clock gone wrong
   std::uint64_t late = 0;          ///< arrived after its tick had run
   std::uint64_t hot_pixel = 0;
   std::uint64_t refractory = 0;

@@ -33,10 +33,11 @@ class SpscRing {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  /// `storage` has a power-of-two size <= 2^31 and outlives the ring.
+  /// `storage` has a power-of-two size <= 2^31 and outlives the ring. An empty one makes a ring that must not
+  /// be used (the arena's counting run).
   explicit SpscRing(std::span<T> storage) noexcept
       : slots_(storage.data()), mask_(static_cast<std::uint32_t>(storage.size()) - 1) {
-    EGOFOCUS_CHECK(storage.size() >= 2 && (storage.size() & (storage.size() - 1)) == 0);
+    EGOFOCUS_CHECK((storage.size() & (storage.size() - 1)) == 0);
   }
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
