@@ -108,7 +108,7 @@ static void test_a_run(void) {
   free(depth_m);
   egofocus_health health;
   egofocus_read_health(engine, &health);
-  EXPECT(health.events.in == 8000 && health.poses.in == 81 && health.ticks.run == 1);
+  EXPECT(health.events.in == 8000 && health.poses.used > 0 && health.ticks.run == 1);
   EXPECT(strlen(egofocus_isa(engine)) > 0 && strlen(egofocus_cause_text(health.cause)) > 0);
   egofocus_request_stop(engine);
   EXPECT(egofocus_tick(engine) == 0);

@@ -18,12 +18,13 @@ step() { # step WHAT COMMAND...: silent when it works
   exit 1
 }
 
-toolchain=() runner=() compiler=c++ nm=nm shared=OFF
+toolchain=() runner=() compiler=c++ c_compiler=cc nm=nm shared=OFF
 if [[ $target == aarch64 ]]; then
   toolchain=("-DCMAKE_TOOLCHAIN_FILE=$root/toolchains/aarch64-linux-gnu.cmake")
   emulator=$(command -v qemu-aarch64 || command -v qemu-aarch64-static) || { echo "error: no qemu-aarch64"; exit 1; }
   runner=("$emulator" -L /usr/aarch64-linux-gnu)
   compiler=aarch64-linux-gnu-g++
+  c_compiler=aarch64-linux-gnu-gcc
   nm=aarch64-linux-gnu-nm
 fi
 [[ $kind == shared ]] && shared=ON
@@ -54,18 +55,21 @@ static_flag=()
 read -ra flags < <(pkg-config "${static_flag[@]}" --cflags --libs egofocus) || { echo "error: pkg-config failed"; exit 1; }
 step "building with pkg-config" "$compiler" -std=c++20 "$root/tests/checks/consumer/main.cpp" -o "$work/by-pkg-config" \
   "${flags[@]}"
+# A C program needs no C++ run-time: the library uses none.
+step "building C with pkg-config" "$c_compiler" -std=c11 "$root/tests/checks/c_api_test.c" -o "$work/c-by-pkg-config" \
+  "${flags[@]}"
 
-for program in "$work/by-cmake/consumer" "$work/by-pkg-config"; do
+for program in "$work/by-cmake/consumer" "$work/by-pkg-config" "$work/c-by-pkg-config"; do
   # The loader of an emulated program reads the variable too; qemu hands it on by -E.
   if ((${#runner[@]} > 0)); then
     said=$(timeout 60 "${runner[@]}" -E "LD_LIBRARY_PATH=$libdir" "$program" 2>&1)
   else
     said=$(LD_LIBRARY_PATH=$libdir timeout 60 "$program" 2>&1)
   fi
-  [[ $said == *"consumer: ok"* ]] || { echo "$said"; echo "error: $target $kind: ${program#"$root"/} does not run"; exit 1; }
+  [[ $said == *": ok" ]] || { echo "$said"; echo "error: $target $kind: ${program#"$root"/} does not run"; exit 1; }
 done
 
 if [[ $kind == shared ]]; then
   python3 "$root/tests/checks/symbols.py" "$nm" --shared "$work/prefix/include" "$libdir/libegofocus.so" || exit 1
 fi
-echo "$target $kind: $said"
+echo "$target $kind: installed, moved, consumed by CMake, pkg-config and C"
