@@ -6,6 +6,7 @@ checks=$(cd "$(dirname "$0")" && pwd)
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
 bad=0
+python=$(python3 -c "import sys; print(sys.executable)") # the interpreter itself: a version manager's wrapper is slow
 
 fresh() { # an innocent tree
   rm -rf "${tree:?}"/*
@@ -23,10 +24,10 @@ expect() { # expect green|red WHAT COMMAND...
 }
 plant() { # plant CHECK FILE TEXT: CHECK is green without the text and red with it
   fresh
-  expect green "$1 on an innocent tree" python3 "$checks/$1.py" "$tree"
+  expect green "$1 on an innocent tree" "$python" "$checks/$1.py" "$tree"
   mkdir -p "$(dirname "$tree/$2")"
   printf "$3" >"$tree/$2"
-  expect red "$1 with '$3' in $2" python3 "$checks/$1.py" "$tree"
+  expect red "$1 with '$3' in $2" "$python" "$checks/$1.py" "$tree"
 }
 
 plant include_rule src/core/a.cpp '#include "hal/b.hpp"\n'
@@ -48,7 +49,7 @@ if command -v cc >/dev/null; then
     rm -f "$tree/lib.a"
     printf '%s\n' "$2" >"$tree/source.c"
     cc -O1 -c "$tree/source.c" -o "$tree/$1.c.o" && ar rc "$tree/lib.a" "$tree/$1.c.o"
-    python3 "$checks/symbols.py" nm "$checks/symbols_allowed.txt" "$tree/lib.a"
+    "$python" "$checks/symbols.py" nm "$checks/symbols_allowed.txt" "$tree/lib.a"
   }
   fresh
   expect green "symbols on an innocent object" symbols a 'int egofocus_a(int x) { return x; }'
@@ -67,7 +68,7 @@ if command -v cc >/dev/null; then
     echo 'int egofocus_open(void);' >"$tree/include/egofocus/types.hpp"
     printf '%s\n' "$1" >"$tree/source.c"
     cc -shared -fPIC "$tree/source.c" -o "$tree/lib.so"
-    python3 "$checks/symbols.py" nm --shared "$tree/include" "$tree/lib.so"
+    "$python" "$checks/symbols.py" nm --shared "$tree/include" "$tree/lib.so"
   }
   expect green "exports: the public API" shared 'int egofocus_open(void) { return 1; }'
   expect red "exports: an inner name" shared 'int egofocus_open(void) { return 1; } int egofocus_inner(void) { return 1; }'
