@@ -13,7 +13,7 @@ ninja-build ninja
 libeigen3-dev /usr/include/eigen3/Eigen/Core,/usr/local/include/eigen3/Eigen/Core
 libtomlplusplus-dev /usr/include/toml++/toml.h,/usr/local/include/toml++/toml.h
 libcli11-dev /usr/include/CLI/CLI.hpp,/usr/local/include/CLI/CLI.hpp
-zlib1g-dev /usr/include/zlib.h,/usr/local/include/zlib.h
+libpng-dev /usr/include/png.h,/usr/local/include/png.h
 ROWS
       ;;
     test) cat <<'ROWS'
