@@ -23,7 +23,8 @@ inline constexpr Names<MotionSource, 2> kSourceNames{
     {{"odometry", MotionSource::kOdometry}, {"poses", MotionSource::kPoses}}};
 inline constexpr Names<MotionModel, 2> kModelNames{
     {{"free", MotionModel::kFree}, {"wheeled", MotionModel::kWheeled}}};
-inline constexpr Names<FocusCost, 4> kCostNames{{{"variance", FocusCost::kVariance},
+inline constexpr Names<FocusCost, 5> kCostNames{{{"gradient", FocusCost::kGradient},
+                                                 {"variance", FocusCost::kVariance},
                                                  {"sosa", FocusCost::kSosa},
                                                  {"soe", FocusCost::kSoe},
                                                  {"sti", FocusCost::kSti}}};
@@ -97,7 +98,8 @@ void describe(Section& s, MotionConfig& v) {
 template <typename Section>
 void describe(Section& s, FocusConfig& v) {
   s.choice("cost", v.cost, kCostNames);
-  s.optional("support_px", v.support_px);
+  s.optional("support_cells", v.support_cells);
+  s.optional("smoothing", v.smoothing);
   s.optional("min_support_events", v.min_support_events);
 }
 

@@ -47,7 +47,7 @@ TEST_CASE("each section reaches its field") {
           "[ladder]\nkind = \"metric\"\nhypotheses = 32\n[window]\nmax_age_us = 123\n"
           "[filter]\nrefractory_us = 7\n[motion]\nsource = \"poses\"\nmodel = \"wheeled\"\ncamera_in_body_m "
           "= [1, 2, 3]\n"
-          "[focus]\ncost = \"sti\"\nsupport_px = 7\n[rate]\nrate_hz = 40\n[rings]\nevents = 131072\n"
+          "[focus]\ncost = \"sti\"\nsupport_cells = 7\nsmoothing = false\n[rate]\nrate_hz = 40\n[rings]\nevents = 131072\n"
           "[depth]\nscale_m = 0.002\n[can]\ndbc = \"a.dbc\"\ngyro_axes = [\"y\", \"-x\", \"z\"]\n"
           "[[can.signals]]\nmessage = \"M\"\nsignal = \"S\"\nrole = \"wheel_speed\"\nunit = \"km/h\"\nscale "
           "= -1\n"
