@@ -76,7 +76,7 @@ finish() { # finish STEP EXIT_CODE
   printf 'FAILED  %6s  %-16s %s%s\n' "$(clock $seconds)" "$step" "$(field "$step" 5)" "$note"
   ((code == 124 || code == 137)) && echo "  ran past its limit of $(field "$step" 3) s and was ended"
   { grep -aE 'error:|CMake Error|FAILED|\*\*\*Failed|\(Failed\)|\*\*\*Timeout' "$LOGS/$step.log" | head -n 12; echo "..."
-    tail -n 15 "$LOGS/$step.log"; } | cut -c1-200 | sed 's/^/  | /'
+    tail -n 12 "$LOGS/$step.log"; } | cut -c1-600 | sed 's/^/  | /'
   echo "  whole log: $LOGS/$step.log     again, alone: ./check --only $step"
 }
 

@@ -61,8 +61,11 @@ emulated() {
 step_format() {
   local tool=clang-format
   command -v clang-format-14 >/dev/null && tool=clang-format-14
-  cpp_files | xargs -r "$tool" --dry-run -Werror && return 0
-  echo "To mend: $tool -i FILE"
+  local off
+  off=$(cpp_files | xargs -r "$tool" --dry-run -Werror 2>&1) && return 0
+  echo "$off"
+  echo "error: these files are laid out differently. To mend: $tool -i" \
+    $(sed -nE 's/^([^ :]+):[0-9]+:[0-9]+: error:.*/\1/p' <<<"$off" | sort -u)
   local major
   major=$("$tool" --version | grep -oE 'version [0-9]+' | grep -oE '[0-9]+')
   if [[ $major != 14 ]]; then

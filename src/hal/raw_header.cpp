@@ -32,7 +32,7 @@ std::string_view trimmed(std::string_view text) noexcept {
 std::string_view cut(std::string_view& text, char separator) noexcept {
   const std::size_t at = text.find(separator);
   const std::string_view head = text.substr(0, at);
-  text = at == std::string_view::npos ? std::string_view{} : text.substr(at + 1);
+  text.remove_prefix(at == std::string_view::npos ? text.size() : at + 1);
   return head;
 }
 
@@ -58,7 +58,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept {
 
 bool contains_ignoring_case(std::string_view text, std::string_view word) noexcept {
   for (std::size_t i = 0; i + word.size() <= text.size(); ++i) {
-    if (equal_ignoring_case(text.substr(i, word.size()), word)) return true;
+    if (equal_ignoring_case({text.data() + i, word.size()}, word)) return true;
   }
   return false;
 }
