@@ -81,19 +81,21 @@ std::size_t Evt3Decoder::take(std::uint16_t word, std::span<Event> room) noexcep
       break;
     case kOthers: others_ = {.subtype = payload}; break;
     case kContinued12:
-      if (others_.bits <= 12) others_.payload |= static_cast<std::uint32_t>(payload) << others_.bits;
-      if (others_.bits <= 12) others_.bits += 12;
-      break;
-    case kContinued4:
-      if (others_.bits == 24) {
-        counters_.take_others(others_.subtype, others_.payload | static_cast<std::uint32_t>(payload & 0xf) << 24);
-      }
-      others_ = {};
-      break;
+    case kContinued4: take_others_part(type, payload); break;
     case kImu: others_ = {}; break;
     default: counters_.count(EvtViolation::kUnknownWord);
   }
   return 0;
+}
+
+// The payload comes low bits first: 12, 12, then 4, which real sensors leave out where they are zero. The counters are
+// sums, so each part can be added as soon as it is there.
+void Evt3Decoder::take_others_part(std::uint32_t type, std::uint32_t payload) noexcept {
+  const int shift = others_.next_shift;
+  const bool expected = shift < 24 ? type == kContinued12 : shift == 24 && type == kContinued4;
+  if (!expected) return;
+  counters_.take_others(others_.subtype, (shift < 24 ? payload : payload & 0xf) << shift);
+  others_.next_shift += 12;
 }
 
 void Evt3Decoder::take_time_low(std::uint16_t low) noexcept {

@@ -71,8 +71,10 @@ class TimeHighWriter {
     counter = static_cast<std::uint32_t>(value_ & (range_ - 1));
     return true;
   }
-  /// The format cannot go back, nor below zero.
-  [[nodiscard]] bool can_reach(std::int64_t target) const noexcept { return target >= 0 && target >= value_; }
+  /// The format cannot go back, nor below zero; and a silence of 2^16 wraps is no recording but a mistake.
+  [[nodiscard]] bool can_reach(std::int64_t target) const noexcept {
+    return target >= 0 && target >= value_ && target - value_ < range_ * 65536;
+  }
 
  private:
   std::int64_t range_;

@@ -30,9 +30,10 @@ std::string_view trimmed(std::string_view text) noexcept {
 
 // The part before `separator`, which leaves `text` together with it.
 std::string_view cut(std::string_view& text, char separator) noexcept {
-  const std::size_t at = text.find(separator);
-  const std::string_view head = text.substr(0, at);
-  text.remove_prefix(at == std::string_view::npos ? text.size() : at + 1);
+  std::size_t at = 0;
+  while (at < text.size() && text[at] != separator) ++at;
+  const std::string_view head(text.data(), at);
+  text.remove_prefix(at < text.size() ? at + 1 : at);
   return head;
 }
 
@@ -79,8 +80,8 @@ SensorSize size_of_sensor(std::string_view name) noexcept {
 }
 
 SensorSize size_of_generation(std::string_view generation) noexcept {
-  if (generation.substr(0, 2) == "3." || generation == "3") return {640, 480};
-  if (generation.substr(0, 2) == "4." || generation == "4") return {1280, 720};
+  if (generation.starts_with('3')) return {640, 480};
+  if (generation.starts_with('4')) return {1280, 720};
   return {};
 }
 
