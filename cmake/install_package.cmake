@@ -33,6 +33,6 @@ configure_file(${PROJECT_SOURCE_DIR}/cmake/egofocus.pc.in ${PROJECT_BINARY_DIR}/
 install(FILES ${PROJECT_BINARY_DIR}/egofocus.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 # The command line goes along when it was built.
-if(TARGET egofocus_cli)
-  install(TARGETS egofocus_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET egofocus_app)
+  install(TARGETS egofocus_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
