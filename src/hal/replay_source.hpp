@@ -16,11 +16,11 @@ namespace egofocus {
 
 /// The files of a recording; each may be empty. The bytes outlive the source.
 struct ReplayStreams {
-  std::span<const std::byte> events_raw;  ///< any EVT format, header included
-  std::span<const std::byte> can_log;     ///< candump -L
-  std::span<const std::byte> poses_txt;   ///< t px py pz qx qy qz qw
+  std::span<const std::byte> events_raw = {};  ///< any EVT format, header included
+  std::span<const std::byte> can_log = {};     ///< candump -L
+  std::span<const std::byte> poses_txt = {};   ///< t px py pz qx qy qz qw
   std::int64_t events_offset_us = 0;      ///< added to the device times of the events to get the recording's time
-  CanMotionDecoder* can_motion = nullptr; ///< configured; needed where can_log is not empty; outlives the source
+  CanMotionDecoder* can_motion = nullptr;  ///< configured; needed where can_log is not empty; outlives the source
   /// How much older than the frame that completes it a motion sample can be: can_lag_us() of the configuration.
   std::int64_t can_lag_us = 0;
 };

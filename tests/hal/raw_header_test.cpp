@@ -40,7 +40,7 @@ TEST_CASE("RAW header: an old one ends at the first line of another kind") {
   const RawHeader header = parsed("% evt 2.0\r\n% plugin_name hal_plugin_gen3_fx3\r\n\x01\x02\x03");
   CHECK(header.format == EvtFormat::kEvt2);
   CHECK(header.size.width_px == 640);
-  CHECK(header.header_bytes == 45);
+  CHECK(header.header_bytes == 46);
 }
 
 TEST_CASE("RAW header: precedence") {

@@ -225,8 +225,8 @@ TEST_CASE("replay: start again begins again") {
 
 TEST_CASE("replay: samples far beyond the CAN lag cannot block it") {
   std::string log;
-  for (int i = 0; i < 500; ++i) log += "(9.0) can0 064#6400\n";
-  log += "(0.5) can0 064#6400\n";
+  for (int i = 0; i < 500; ++i) log += "(9.000000) can0 064#6400\n";
+  log += "(0.500000) can0 064#6400\n";
   Can can;
   ReplaySource replay({.can_log = bytes_of(log.c_str()), .can_motion = can.decoder.get(), .can_lag_us = 10'000'000});
   REQUIRE(replay.start().ok());
