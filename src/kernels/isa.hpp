@@ -1,0 +1,31 @@
+// Which instruction sets this machine has. Asked once, at set-up; a mask lowers the answer (tests,
+// Config::isa_mask). Thread: any. RT: set-up only.
+#pragma once
+
+#include <cstdint>
+
+namespace egofocus {
+
+/// Bit numbers of Config::isa_mask: they never change meaning. Lowest first within a family.
+enum class Isa : std::uint8_t { kScalar = 0, kSse41 = 1, kAvx2 = 2, kAvx512 = 4, kNeon = 8 };
+
+inline constexpr Isa kEveryIsa[] = {Isa::kScalar, Isa::kSse41, Isa::kAvx2, Isa::kAvx512, Isa::kNeon};
+
+/// One bit per Isa.
+using IsaSet = std::uint32_t;
+
+constexpr IsaSet isa_bit(Isa isa) noexcept {
+  return IsaSet{1} << static_cast<unsigned>(isa);
+}
+constexpr bool has_isa(IsaSet set, Isa isa) noexcept {
+  return (set & isa_bit(isa)) != 0;
+}
+
+/// What the processor has and the operating system saves on a context switch. kScalar is always in it.
+/// kAvx512 means F, BW, VL and DQ together.
+IsaSet detect_isa() noexcept;
+
+/// "scalar", "sse41", ...: the suffix of files, symbols, tests and logs. Never null.
+const char* isa_name(Isa isa) noexcept;
+
+}  // namespace egofocus
