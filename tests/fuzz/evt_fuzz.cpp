@@ -10,7 +10,8 @@ namespace {
 
 constexpr SensorSize kSize{640, 480};
 
-std::vector<Event> decode(EvtDecoder& decoder, std::span<const std::byte> bytes, std::size_t room, std::size_t cut) {
+std::vector<Event> decode(EvtDecoder& decoder, std::span<const std::byte> bytes, std::size_t room,
+                          std::size_t cut) {
   std::vector<Event> events;
   std::vector<Event> out(room);
   for (;;) {

@@ -1,5 +1,5 @@
-// Replay: the input is cut into events.raw, can.log and poses.txt, and played into small rings by polls whose time
-// rises. Nothing may be dropped, the watermark may not fall, and the end must come.
+// Replay: the input is cut into events.raw, can.log and poses.txt, and played into small rings by polls whose
+// time rises. Nothing may be dropped, the watermark may not fall, and the end must come.
 #include <cstring>
 #include <vector>
 
@@ -86,6 +86,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const ReplayCounters n = replay.counters();
   fuzz::require(n.events_pushed == n.events.events && n.poses_pushed == n.poses.poses);
   fuzz::require(taken == n.events_pushed + n.poses_pushed + n.imu_pushed + n.odometry_pushed);
-  fuzz::require(rings.events.dropped() + rings.imu.dropped() + rings.odometry.dropped() + rings.poses.dropped() == 0);
+  fuzz::require(
+      rings.events.dropped() + rings.imu.dropped() + rings.odometry.dropped() + rings.poses.dropped() == 0);
   return 0;
 }
