@@ -24,19 +24,22 @@ bool take_whole(std::string_view& line, std::int64_t& value) noexcept {
   const std::string_view word = take_word(line);
   Decimal number;
   if (word.empty() || scan_decimal(word, number) != word.size()) return false;
-  for (; number.exponent < 0 && number.digits % 10 == 0 && number.digits != 0; ++number.exponent) number.digits /= 10;
+  for (; number.exponent < 0 && number.digits % 10 == 0 && number.digits != 0; ++number.exponent)
+    number.digits /= 10;
   for (; number.exponent > 0 && number.digits <= 1000000000; --number.exponent) {
     if (number.digits == 0) break;
     number.digits *= 10;
   }
   if (number.digits > 1000000000 || (number.digits != 0 && number.exponent != 0)) return false;
-  value = number.negative ? -static_cast<std::int64_t>(number.digits) : static_cast<std::int64_t>(number.digits);
+  value =
+      number.negative ? -static_cast<std::int64_t>(number.digits) : static_cast<std::int64_t>(number.digits);
   return true;
 }
 
 bool parse(std::string_view line, Fields& fields) noexcept {
   return take_time(line, fields.t_us) && take_whole(line, fields.x) && take_whole(line, fields.y) &&
-         take_whole(line, fields.polarity) && fields.polarity >= -1 && fields.polarity <= 1 && take_word(line).empty();
+         take_whole(line, fields.polarity) && fields.polarity >= -1 && fields.polarity <= 1 &&
+         take_word(line).empty();
 }
 
 }  // namespace

@@ -24,19 +24,24 @@ struct EventTextCounters {
   std::uint64_t out_of_order = 0;  ///< of `events`: earlier than the one before. Kept.
 };
 
-/// Consumes whole lines only: the caller keeps the tail and brings it again with more bytes; its buffer must hold
-/// TextLines::kMaxLineBytes + 1 bytes or more. Times are rounded to the nearest microsecond, exactly; numbers may be
-/// written like 1.25e-3. No locale. Source: facts, C6. Thread: one at a time. RT: yes, O(bytes).
+/// Consumes whole lines only: the caller keeps the tail and brings it again with more bytes; its buffer must
+/// hold TextLines::kMaxLineBytes + 1 bytes or more. Times are rounded to the nearest microsecond, exactly;
+/// numbers may be written like 1.25e-3. No locale. Source: facts, C6. Thread: one at a time. RT: yes,
+/// O(bytes).
 class EventTextDecoder {
  public:
   explicit EventTextDecoder(SensorSize size) noexcept : size_(size) {}
 
   /// Stops when `out` is full or no whole line is left. Thread: one at a time. RT: yes.
-  Decoded feed(std::span<const std::byte> bytes, std::span<Event> out) noexcept { return decode(bytes, out, false); }
+  Decoded feed(std::span<const std::byte> bytes, std::span<Event> out) noexcept {
+    return decode(bytes, out, false);
+  }
 
-  /// For the end of the file: a last line without LF counts as whole. Call it with the bytes that feed() left over,
-  /// until all are consumed. Thread: one at a time. RT: yes.
-  Decoded finish(std::span<const std::byte> bytes, std::span<Event> out) noexcept { return decode(bytes, out, true); }
+  /// For the end of the file: a last line without LF counts as whole. Call it with the bytes that feed() left
+  /// over, until all are consumed. Thread: one at a time. RT: yes.
+  Decoded finish(std::span<const std::byte> bytes, std::span<Event> out) noexcept {
+    return decode(bytes, out, true);
+  }
 
   [[nodiscard]] const EventTextCounters& counters() const noexcept { return counters_; }
 

@@ -3,7 +3,9 @@
 namespace egofocus {
 namespace {
 
-std::int64_t lower_of(std::int64_t a, std::int64_t b) noexcept { return a < b ? a : b; }
+std::int64_t lower_of(std::int64_t a, std::int64_t b) noexcept {
+  return a < b ? a : b;
+}
 
 // Times of untrusted files reach both ends of the type: neither sum nor difference may overflow.
 std::int64_t shifted(std::int64_t t_us, std::int64_t by_us) noexcept {
@@ -24,7 +26,8 @@ std::size_t read_text(Decoder& decoder, std::span<const std::byte>& left, std::s
   return 0;
 }
 
-// Pushes what is due, batch by batch. Returns the time up to which all of this stream is out; INT64_MAX at its end.
+// Pushes what is due, batch by batch. Returns the time up to which all of this stream is out; INT64_MAX at
+// its end.
 template <typename Staged, typename Refill, typename Room>
 std::int64_t pump(Staged& staged, std::int64_t until_us, Inlets& inlets, std::uint64_t& pushed, Refill refill,
                   Room room) noexcept {
@@ -44,8 +47,8 @@ std::int64_t pump(Staged& staged, std::int64_t until_us, Inlets& inlets, std::ui
   return INT64_MAX;
 }
 
-// Pushes the samples that are due, in their order, and closes the gaps that they leave. Returns the oldest time that
-// found no room, or INT64_MAX.
+// Pushes the samples that are due, in their order, and closes the gaps that they leave. Returns the oldest
+// time that found no room, or INT64_MAX.
 template <typename Sample>
 std::int64_t push_due(std::span<Sample> staged, std::size_t& count, std::int64_t until_us, std::size_t room,
                       Inlets& inlets, std::uint64_t& pushed) noexcept {
@@ -74,13 +77,13 @@ std::int64_t can_lag_us(const CanMotionConfig& config) noexcept {
 }
 
 Source ReplaySource::source() noexcept {
-  return {.self = this,
-          .name = "replay",
-          .start = [](void* self) noexcept { return static_cast<ReplaySource*>(self)->start(); },
-          .poll = [](void* self, Inlets& inlets, std::int64_t until_us, std::int64_t) noexcept {
-            return static_cast<ReplaySource*>(self)->poll(inlets, until_us);
-          },
-          .stop = [](void*) noexcept {}};
+  return {
+      .self = this,
+      .name = "replay",
+      .start = [](void* self) noexcept { return static_cast<ReplaySource*>(self)->start(); },
+      .poll = [](void* self, Inlets& inlets, std::int64_t until_us,
+                 std::int64_t) noexcept { return static_cast<ReplaySource*>(self)->poll(inlets, until_us); },
+      .stop = [](void*) noexcept {}};
 }
 
 Status ReplaySource::start() noexcept {
@@ -146,12 +149,12 @@ bool ReplaySource::is_full() const noexcept {
 std::int64_t ReplaySource::push_motion(Inlets& inlets, std::int64_t until_us) noexcept {
   return lower_of(push_due(std::span<ImuSample>(imu_), imu_count_, until_us, inlets.imu_room(), inlets,
                            pushed_.imu_pushed),
-                  push_due(std::span<OdometrySample>(odometry_), odometry_count_, until_us, inlets.odometry_room(),
-                           inlets, pushed_.odometry_pushed));
+                  push_due(std::span<OdometrySample>(odometry_), odometry_count_, until_us,
+                           inlets.odometry_room(), inlets, pushed_.odometry_pushed));
 }
 
-// A frame that comes later in the log may complete a sample that is older than one already there. So frames are read
-// until none can bring a sample of `until_us` or before, and the samples that turn out later wait.
+// A frame that comes later in the log may complete a sample that is older than one already there. So frames
+// are read until none can bring a sample of `until_us` or before, and the samples that turn out later wait.
 std::int64_t ReplaySource::pump_motion(Inlets& inlets, std::int64_t until_us) noexcept {
   for (;;) {
     const std::int64_t stuck_us = push_motion(inlets, until_us);
@@ -169,7 +172,8 @@ std::int64_t ReplaySource::pump_motion(Inlets& inlets, std::int64_t until_us) no
     MotionSamples samples;
     streams_.can_motion->feed(frame_, samples);
     for (std::size_t i = 0; i < samples.imu_count; ++i) imu_[imu_count_++] = samples.imu[i];
-    for (std::size_t i = 0; i < samples.odometry_count; ++i) odometry_[odometry_count_++] = samples.odometry[i];
+    for (std::size_t i = 0; i < samples.odometry_count; ++i)
+      odometry_[odometry_count_++] = samples.odometry[i];
   }
 }
 

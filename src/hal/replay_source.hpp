@@ -1,4 +1,5 @@
-// A recording as a source: what a camera and a CAN bus would have sent, from memory, as fast as it is asked for.
+// A recording as a source: what a camera and a CAN bus would have sent, from memory, as fast as it is asked
+// for.
 #pragma once
 
 #include <array>
@@ -16,12 +17,14 @@ namespace egofocus {
 
 /// The files of a recording; each may be empty. The bytes outlive the source.
 struct ReplayStreams {
-  std::span<const std::byte> events_raw{};  ///< any EVT format, header included
-  std::span<const std::byte> can_log{};     ///< candump -L
-  std::span<const std::byte> poses_txt{};   ///< t px py pz qx qy qz qw
-  std::int64_t events_offset_us = 0;      ///< added to the device times of the events to get the recording's time
-  CanMotionDecoder* can_motion = nullptr; ///< configured; needed where can_log is not empty; outlives the source
-  /// How much older than the frame that completes it a motion sample can be: can_lag_us() of the configuration.
+  std::span<const std::byte> events_raw = {};  ///< any EVT format, header included
+  std::span<const std::byte> can_log = {};     ///< candump -L
+  std::span<const std::byte> poses_txt = {};   ///< t px py pz qx qy qz qw
+  std::int64_t events_offset_us = 0;  ///< added to the device times of the events to get the recording's time
+  CanMotionDecoder* can_motion =
+      nullptr;  ///< configured; needed where can_log is not empty; outlives the source
+  /// How much older than the frame that completes it a motion sample can be: can_lag_us() of the
+  /// configuration.
   std::int64_t can_lag_us = 0;
 };
 
@@ -40,9 +43,9 @@ struct ReplayCounters {
   std::uint64_t poses_pushed = 0;
 };
 
-/// A full backend. It never drops: a full ring makes it wait for the next poll, and the watermark says how far it
-/// came. Within a stream, samples go out as they lie in the file. Thread: one, the writer of all four inlets.
-/// RT: poll yes, O(bytes up to `until_us`).
+/// A full backend. It never drops: a full ring makes it wait for the next poll, and the watermark says how
+/// far it came. Within a stream, samples go out as they lie in the file. Thread: one, the writer of all four
+/// inlets. RT: poll yes, O(bytes up to `until_us`).
 class ReplaySource {
  public:
   explicit ReplaySource(const ReplayStreams& streams) noexcept : streams_(streams) {}

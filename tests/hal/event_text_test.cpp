@@ -11,7 +11,8 @@ using Events = std::vector<Event>;
 namespace {
 
 // As a caller with a small buffer does it: the tail of each piece is brought again with the next.
-Events decode(EventTextDecoder& decoder, const std::string& text, std::size_t room = 8, std::size_t cut = SIZE_MAX) {
+Events decode(EventTextDecoder& decoder, const std::string& text, std::size_t room = 8,
+              std::size_t cut = SIZE_MAX) {
   Events events;
   Events out(room);
   const std::span<const std::byte> all = std::as_bytes(std::span(text));
@@ -40,11 +41,13 @@ Events decode(const std::string& text) {
 }  // namespace
 
 TEST_CASE("event text: plain lines") {
-  CHECK(decode("0.003811000 96 133 0\n0.003820001 87 51 1\n") == Events{{3811, 96, 133, 0}, {3820, 87, 51, 1}});
+  CHECK(decode("0.003811000 96 133 0\n0.003820001 87 51 1\n") ==
+        Events{{3811, 96, 133, 0}, {3820, 87, 51, 1}});
 }
 
 TEST_CASE("event text: line ends, blanks, comments, signs and a last line without end") {
-  CHECK(decode("# t x y p\r\n\r\n  1.0\t2   3 -1 \r\n \n+2 4 5 1") == Events{{1'000'000, 2, 3, 0}, {2'000'000, 4, 5, 1}});
+  CHECK(decode("# t x y p\r\n\r\n  1.0\t2   3 -1 \r\n \n+2 4 5 1") ==
+        Events{{1'000'000, 2, 3, 0}, {2'000'000, 4, 5, 1}});
 }
 
 TEST_CASE("event text: seconds become the nearest microsecond, exactly") {
@@ -73,7 +76,8 @@ TEST_CASE("event text: seconds become the nearest microsecond, exactly") {
 }
 
 TEST_CASE("event text: pixels and polarity may be written as decimals") {
-  CHECK(decode("1 1.2e+01 100.000 1.0\n1 0.0 0e5 -1.000\n") == Events{{1'000'000, 12, 100, 1}, {1'000'000, 0, 0, 0}});
+  CHECK(decode("1 1.2e+01 100.000 1.0\n1 0.0 0e5 -1.000\n") ==
+        Events{{1'000'000, 12, 100, 1}, {1'000'000, 0, 0, 0}});
 }
 
 TEST_CASE("event text: what is not an event is counted") {
@@ -88,7 +92,8 @@ TEST_CASE("event text: what is not an event is counted") {
                                "1 99999999999999999999 3 1\n"
                                "2 240 0 1\n2 0 180 1\n2 -1 0 1\n"  // outside
                                "3 1 1 1\n2 1 1 1\n" +              // out of order
-                                   std::string(600, '1') + "\n4 1 1 0\n#\n");
+                                   std::string(600, '1') +
+                                   "\n4 1 1 0\n#\n");
   CHECK(events.size() == 3);
   const EventTextCounters& counters = decoder.counters();
   CHECK(counters.lines == 16);

@@ -36,7 +36,8 @@ TEST_CASE("EVT2.1: one word brings the pixels of its mask, smallest x first") {
 }
 
 TEST_CASE("EVT2.1: legacy order has the halves exchanged, and only that") {
-  const std::initializer_list<Word> words = {time_high(3), cd(0, 1, 64, 5, 0x11), cd(1, 2, 96, 6, 0xffffffff)};
+  const std::initializer_list<Word> words = {time_high(3), cd(0, 1, 64, 5, 0x11),
+                                             cd(1, 2, 96, 6, 0xffffffff)};
   const Events expected = run(stream(words)).events;
   REQUIRE(expected.size() == 34);
   CHECK(run(stream(words, true), Evt21Order::kLegacy).events == expected);
@@ -62,10 +63,18 @@ TEST_CASE("EVT2.1: only the pixels inside the sensor survive") {
 
 TEST_CASE("EVT2.1: wrap, step back, triggers, counters, unknown words, empty masks") {
   Evt21Decoder decoder(kHd, Evt21Order::kLittleEndian);
-  const Events events = decode(
-      decoder, stream({time_high(0xfffffff), time_high(0), cd(1, 1, 0, 0, 0), cd(1, 2, 0, 0, 1),
-                       {0x84000000u, 0}, time_high(0x3ffffff), trigger(9, 4, 1), others(0x14, 123456789),
-                       others(0x16, 5), others(0x14, 1), {0xF0000000u, 99}, {0x20000000u, 0xffffffff}}));
+  const Events events = decode(decoder, stream({time_high(0xfffffff),
+                                                time_high(0),
+                                                cd(1, 1, 0, 0, 0),
+                                                cd(1, 2, 0, 0, 1),
+                                                {0x84000000u, 0},
+                                                time_high(0x3ffffff),
+                                                trigger(9, 4, 1),
+                                                others(0x14, 123456789),
+                                                others(0x16, 5),
+                                                others(0x14, 1),
+                                                {0xF0000000u, 99},
+                                                {0x20000000u, 0xffffffff}}));
   CHECK(events == Events{{(1LL << 34) + 2, 0, 0, 1}});
   const EvtCounters& counters = decoder.counters();
   CHECK(counters[EvtViolation::kTimeHighBackward] == 1);
@@ -79,7 +88,8 @@ TEST_CASE("EVT2.1: wrap, step back, triggers, counters, unknown words, empty mas
 }
 
 TEST_CASE("EVT2.1: neither cuts of the input nor small outputs change anything") {
-  const Bytes bytes = stream({time_high(7), cd(1, 1, 32, 20, 0xf00f), cd(0, 2, 64, 40, 1), cd(1, 3, 96, 60, 0x80000001)});
+  const Bytes bytes =
+      stream({time_high(7), cd(1, 1, 32, 20, 0xf00f), cd(0, 2, 64, 40, 1), cd(1, 3, 96, 60, 0x80000001)});
   const Events whole = run(bytes).events;
   REQUIRE(whole.size() == 11);
   for (std::size_t cut = 1; cut <= bytes.size(); ++cut) {

@@ -28,7 +28,9 @@ Outcome run(const Bytes& bytes) {
 
 }  // namespace
 
-TEST_CASE("EVT2: an empty stream has no events") { CHECK(run({}).events.empty()); }
+TEST_CASE("EVT2: an empty stream has no events") {
+  CHECK(run({}).events.empty());
+}
 
 TEST_CASE("EVT2: fields of events and time") {
   // 0x80000123: TIME_HIGH 0x123; 0x1AC85107: ON, low 0b101011 = 43, x = 0b00100001010 = 266, y = 0x107 = 263.
@@ -46,9 +48,11 @@ TEST_CASE("EVT2: events before the first TIME_HIGH are dropped and counted") {
 }
 
 TEST_CASE("EVT2: time goes on after the 28-bit counter wraps, again and again") {
-  const Outcome outcome = run(stream({time_high(0xffffffe), cd(1, 63, 1, 1), time_high(1), cd(1, 0, 1, 1),
-                                      time_high(0x6000000), time_high(0xc000000), time_high(0), cd(1, 2, 1, 1)}));
-  CHECK(outcome.events == Events{{(1LL << 34) - 65, 1, 1, 1}, {(1LL << 34) + 64, 1, 1, 1}, {(2LL << 34) + 2, 1, 1, 1}});
+  const Outcome outcome =
+      run(stream({time_high(0xffffffe), cd(1, 63, 1, 1), time_high(1), cd(1, 0, 1, 1), time_high(0x6000000),
+                  time_high(0xc000000), time_high(0), cd(1, 2, 1, 1)}));
+  CHECK(outcome.events ==
+        Events{{(1LL << 34) - 65, 1, 1, 1}, {(1LL << 34) + 64, 1, 1, 1}, {(2LL << 34) + 2, 1, 1, 1}});
   CHECK(outcome[EvtViolation::kTimeHighBackward] == 0);
 }
 
@@ -59,8 +63,8 @@ TEST_CASE("EVT2: a small step back of TIME_HIGH is refused and counted") {
 }
 
 TEST_CASE("EVT2: pixels outside the sensor are dropped and counted") {
-  const Outcome outcome =
-      run(stream({time_high(0), cd(1, 0, 640, 0), cd(1, 0, 639, 479), cd(1, 0, 0, 480), cd(1, 0, 2047, 2047)}));
+  const Outcome outcome = run(
+      stream({time_high(0), cd(1, 0, 640, 0), cd(1, 0, 639, 479), cd(1, 0, 0, 480), cd(1, 0, 2047, 2047)}));
   CHECK(outcome.events == Events{{0, 639, 479, 1}});
   CHECK(outcome[EvtViolation::kOutOfRange] == 3);
   CHECK(outcome.counters.dropped_events == 3);
@@ -73,9 +77,9 @@ TEST_CASE("EVT2: an event behind its predecessor is given out and counted") {
 }
 
 TEST_CASE("EVT2: rate controller counters, IMU and unknown words") {
-  const Outcome outcome =
-      run(stream({time_high(0), other(0x14), continued(0x3fffff), other(0x16), continued(7), other(0x99),
-                  continued(1000), other(0x14), 0xD0000000u, continued(1), continued(2), 0x30000000u, 0x90000000u}));
+  const Outcome outcome = run(stream({time_high(0), other(0x14), continued(0x3fffff), other(0x16),
+                                      continued(7), other(0x99), continued(1000), other(0x14), 0xD0000000u,
+                                      continued(1), continued(2), 0x30000000u, 0x90000000u}));
   CHECK(outcome.counters.sensor_in == 0x3fffff);
   CHECK(outcome.counters.sensor_out == 7);
   CHECK(outcome[EvtViolation::kUnknownWord] == 2);
@@ -92,7 +96,8 @@ TEST_CASE("EVT2: triggers are counted and the last is kept") {
 }
 
 TEST_CASE("EVT2: neither cuts of the input nor small outputs change anything") {
-  const Bytes bytes = stream({time_high(7), cd(1, 1, 10, 20), time_high(8), cd(0, 2, 30, 40), cd(1, 3, 50, 60)});
+  const Bytes bytes =
+      stream({time_high(7), cd(1, 1, 10, 20), time_high(8), cd(0, 2, 30, 40), cd(1, 3, 50, 60)});
   const Events whole = run(bytes).events;
   REQUIRE(whole.size() == 3);
   for (std::size_t cut = 1; cut <= bytes.size(); ++cut) {

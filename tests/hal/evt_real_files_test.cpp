@@ -19,13 +19,15 @@ namespace {
 
 std::string stream_path(const std::string& name) {
   const char* folder = std::getenv("EGOFOCUS_REAL_DATA");
-  return (folder != nullptr ? std::string(folder) : std::string(EGOFOCUS_SOURCE_DIR "/../shared/real")) + "/streams/" + name;
+  return (folder != nullptr ? std::string(folder) : std::string(EGOFOCUS_SOURCE_DIR "/../shared/real")) +
+         "/streams/" + name;
 }
 
 // Empty, with a message, where the recordings are not at hand.
 Bytes read_stream(const std::string& name) {
   std::ifstream file(stream_path(name), std::ios::binary);
-  if (!file) WARN("skipped: no " << stream_path(name) << " (set EGOFOCUS_REAL_DATA to the folder that has streams/)");
+  if (!file)
+    WARN("skipped: no " << stream_path(name) << " (set EGOFOCUS_REAL_DATA to the folder that has streams/)");
   const std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const auto bytes = std::as_bytes(std::span(content));
   return Bytes(bytes.begin(), bytes.end());
@@ -69,7 +71,8 @@ TEST_CASE("real: an EVT2 recording of a Gen3 camera decodes completely") {
   CHECK(header.size.height_px == 480);
   CHECK(header.header_bytes == 166);
   EvtDecoder decoder(header.format, header.size);
-  const std::vector<Event> events = evt_words::decode(decoder, std::span(file).subspan(header.header_bytes), 4096, 10007);
+  const std::vector<Event> events =
+      evt_words::decode(decoder, std::span(file).subspan(header.header_bytes), 4096, 10007);
   REQUIRE(events.size() == 521252);
   CHECK(events.front().t_us == 913716224);
   CHECK(events.back().t_us == 913812095);
@@ -80,13 +83,14 @@ TEST_CASE("real: an EVT2 recording of a Gen3 camera decodes completely") {
   CHECK(violations_of(decoder.counters()) == 0);
 }
 
-// ROS 1 bag, uncompressed: each event_camera_msgs/EventPacket holds the encoding as a counted string, a byte for the
-// byte order, then the counted words.
+// ROS 1 bag, uncompressed: each event_camera_msgs/EventPacket holds the encoding as a counted string, a byte
+// for the byte order, then the counted words.
 TEST_CASE("real: EVT3 packets of a ROS bag decode completely") {
   const Bytes bag = read_stream("ecpy_test_events_1.bag");
   if (bag.empty()) return;
   Bytes marker;
-  for (const char c : {'\4', '\0', '\0', '\0', 'e', 'v', 't', '3'}) marker.push_back(static_cast<std::byte>(c));
+  for (const char c : {'\4', '\0', '\0', '\0', 'e', 'v', 't', '3'})
+    marker.push_back(static_cast<std::byte>(c));
   Evt3Decoder decoder({640, 480});
   std::vector<Event> events;
   int packets = 0;
@@ -96,7 +100,8 @@ TEST_CASE("real: EVT3 packets of a ROS bag decode completely") {
     const std::size_t size_at = static_cast<std::size_t>(at - bag.begin()) + marker.size() + 1;
     const std::size_t size = u32_at(bag, size_at);
     REQUIRE(size_at + 4 + size <= bag.size());
-    const std::vector<Event> some = evt_words::decode(decoder, std::span(bag).subspan(size_at + 4, size), 1000);
+    const std::vector<Event> some =
+        evt_words::decode(decoder, std::span(bag).subspan(size_at + 4, size), 1000);
     events.insert(events.end(), some.begin(), some.end());
     at += static_cast<std::ptrdiff_t>(size);
     ++packets;

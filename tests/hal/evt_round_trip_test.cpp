@@ -38,7 +38,8 @@ Events random_events(unsigned seed, std::size_t count, std::int64_t longest_us) 
 }
 
 template <typename Encoder>
-Bytes encode(Encoder& encoder, std::span<const Event> events, std::size_t room, std::size_t batch = SIZE_MAX) {
+Bytes encode(Encoder& encoder, std::span<const Event> events, std::size_t room,
+             std::size_t batch = SIZE_MAX) {
   Bytes bytes;
   Bytes out(room);
   while (!events.empty()) {
@@ -62,8 +63,10 @@ Bytes encode_as(EvtFormat format, const Events& events, std::size_t room, std::s
 }  // namespace
 
 TEST_CASE("EVT: random events survive the round trip") {
-  const EvtFormat format = GENERATE(EvtFormat::kEvt2, EvtFormat::kEvt21, EvtFormat::kEvt21Legacy, EvtFormat::kEvt3);
-  const std::int64_t longest_us = GENERATE(std::int64_t{2}, std::int64_t{3000}, std::int64_t{100'000'000}, std::int64_t{20'000'000'000});
+  const EvtFormat format =
+      GENERATE(EvtFormat::kEvt2, EvtFormat::kEvt21, EvtFormat::kEvt21Legacy, EvtFormat::kEvt3);
+  const std::int64_t longest_us =
+      GENERATE(std::int64_t{2}, std::int64_t{3000}, std::int64_t{100'000'000}, std::int64_t{20'000'000'000});
   const unsigned seed = GENERATE(1, 2, 3);
   CAPTURE(to_string(format), longest_us, seed);
   const Events events = random_events(seed, 3000, longest_us);
@@ -82,7 +85,8 @@ TEST_CASE("EVT3: vectors are used where they are shorter") {
   Evt3Encoder encoder;
   Events row;
   for (std::uint16_t x = 100; x < 132; ++x) row.push_back({4096, x, 7, 1});
-  CHECK(encode(encoder, row, 1000) == evt_words::evt3::stream({0x8001, 0x6000, 0x0007, 0x3864, 0x4fff, 0x4fff, 0x50ff}));
+  CHECK(encode(encoder, row, 1000) ==
+        evt_words::evt3::stream({0x8001, 0x6000, 0x0007, 0x3864, 0x4fff, 0x4fff, 0x50ff}));
   SECTION("two events are not worth a base and a vector") {
     const Events pair = {{4097, 5, 7, 0}, {4097, 6, 7, 0}};
     CHECK(encode(encoder, pair, 1000) == evt_words::evt3::stream({0x6001, 0x2005, 0x2006}));
@@ -109,8 +113,8 @@ TEST_CASE("EVT3: a silence of a minute is bridged by steps below 8 s") {
 }
 
 TEST_CASE("EVT encoders leave out what the format cannot say") {
-  const Events events = {{-1, 1, 1, 1}, {100'000, 2, 2, 1}, {100'000, 2048, 2, 1}, {100'000, 2, 2048, 1}, {90'000, 3, 3, 0},
-                         {INT64_MAX, 1, 1, 1}};
+  const Events events = {{-1, 1, 1, 1},         {100'000, 2, 2, 1}, {100'000, 2048, 2, 1},
+                         {100'000, 2, 2048, 1}, {90'000, 3, 3, 0},  {INT64_MAX, 1, 1, 1}};
   const EvtFormat format = GENERATE(EvtFormat::kEvt2, EvtFormat::kEvt21, EvtFormat::kEvt3);
   EvtDecoder decoder(format, kHd);
   CHECK(evt_words::decode(decoder, encode_as(format, events, 100, SIZE_MAX)) == Events{{100'000, 2, 2, 1}});

@@ -24,7 +24,8 @@ RawHeader parsed(const std::string& text) {
 
 TEST_CASE("RAW header: of an EVK4") {
   const std::string text =
-      "% camera_integrator_name Prophesee\n% date 2024-02-22 10:24:42\n% evt 3.0\n% format EVT3;height=720;width=1280\n"
+      "% camera_integrator_name Prophesee\n% date 2024-02-22 10:24:42\n% evt 3.0\n% format "
+      "EVT3;height=720;width=1280\n"
       "% generation 4.2\n% geometry 1280x720\n% sensor_name IMX636\n% serial_number 00000157\n% end\nEVENTS";
   const RawHeader header = parsed(text);
   CHECK(header.format == EvtFormat::kEvt3);
@@ -40,12 +41,13 @@ TEST_CASE("RAW header: an old one ends at the first line of another kind") {
   const RawHeader header = parsed("% evt 2.0\r\n% plugin_name hal_plugin_gen3_fx3\r\n\x01\x02\x03");
   CHECK(header.format == EvtFormat::kEvt2);
   CHECK(header.size.width_px == 640);
-  CHECK(header.header_bytes == 45);
+  CHECK(header.header_bytes == 46);
 }
 
 TEST_CASE("RAW header: precedence") {
   SECTION("format over evt, its size over geometry") {
-    const RawHeader header = parsed("% format EVT3;height=10;width=20\n% evt 2.0\n% geometry 1280x720\n% end\n");
+    const RawHeader header =
+        parsed("% format EVT3;height=10;width=20\n% evt 2.0\n% geometry 1280x720\n% end\n");
     CHECK(header.format == EvtFormat::kEvt3);
     CHECK(header.size.width_px == 20);
     CHECK(header.size.height_px == 10);
@@ -62,7 +64,8 @@ TEST_CASE("RAW header: precedence") {
 
 TEST_CASE("RAW header: EVT2.1 is legacy unless it says otherwise") {
   CHECK(parsed("% evt 2.1\n% geometry 8x8\n% end\n").format == EvtFormat::kEvt21Legacy);
-  CHECK(parsed("% format EVT21;width=8;height=8;endianness=legacy\n% end\n").format == EvtFormat::kEvt21Legacy);
+  CHECK(parsed("% format EVT21;width=8;height=8;endianness=legacy\n% end\n").format ==
+        EvtFormat::kEvt21Legacy);
   CHECK(parsed("% format EVT21;width=8;height=8;endianness=little\n% end\n").format == EvtFormat::kEvt21);
   CHECK(parsed("% endianness little\n% evt 2.1\n% geometry 8x8\n% end\n").format == EvtFormat::kEvt21);
 }

@@ -101,7 +101,9 @@ struct Can {
   std::unique_ptr<CanMotionDecoder> decoder = std::make_unique<CanMotionDecoder>();
 };
 
-std::span<const std::byte> bytes_of(const char* text) { return std::as_bytes(std::span(text, std::strlen(text))); }
+std::span<const std::byte> bytes_of(const char* text) {
+  return std::as_bytes(std::span(text, std::strlen(text)));
+}
 
 template <typename Samples>
 std::vector<std::int64_t> times(const Samples& samples) {
@@ -225,10 +227,11 @@ TEST_CASE("replay: start again begins again") {
 
 TEST_CASE("replay: samples far beyond the CAN lag cannot block it") {
   std::string log;
-  for (int i = 0; i < 500; ++i) log += "(9.0) can0 064#6400\n";
-  log += "(0.5) can0 064#6400\n";
+  for (int i = 0; i < 500; ++i) log += "(9.000000) can0 064#6400\n";
+  log += "(0.500000) can0 064#6400\n";
   Can can;
-  ReplaySource replay({.can_log = bytes_of(log.c_str()), .can_motion = can.decoder.get(), .can_lag_us = 10'000'000});
+  ReplaySource replay(
+      {.can_log = bytes_of(log.c_str()), .can_motion = can.decoder.get(), .can_lag_us = 10'000'000});
   REQUIRE(replay.start().ok());
   Reader reader(8);
   Delivery delivery;
