@@ -7,5 +7,6 @@ namespace egofocus::app {
 
 void add_convert(CLI::App& program);
 void add_info(CLI::App& program);
+void add_replay(CLI::App& program);
 
 }  // namespace egofocus::app

@@ -44,7 +44,9 @@ void load_can(Folder& folder) {
 
 void load_poses(Folder& folder) {
   const fs::path path = folder.path / "poses.txt";
-  if (is_there(path)) folder.poses = parse_poses(MappedFile(path).text(), path.string());
+  if (!is_there(path)) return;
+  folder.pose_file = MappedFile(path);
+  folder.poses = parse_poses(folder.pose_file.text(), path.string());
 }
 
 void check_motion(const Folder& folder) {

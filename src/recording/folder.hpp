@@ -33,7 +33,8 @@ struct Folder {
   MappedFile events;              ///< events.raw
   MappedFile can;                 ///< can.log; empty when there is none
   std::string dbc;                ///< text of the DBC; empty when there is none
-  std::vector<PoseSample> poses;  ///< empty when there is no poses.txt
+  MappedFile pose_file;           ///< poses.txt; empty when there is none
+  std::vector<PoseSample> poses;  ///< the same, parsed
   std::vector<DepthTruth> truth;  ///< ascending in time
 
   /// The truth at exactly this time, if there is one.
