@@ -178,7 +178,7 @@ TEST_CASE("every third IMU sample and every second of the wheels missing") {
 
 TEST_CASE("a wheel that spins is rejected; a new truth is accepted after a second") {
   Drive drive = car_drive();
-  drive.duration_s = 16;
+  drive.duration_s = 14;
   const auto ego = std::make_unique<EgoMotion>(config_of(drive));
   double error_while_spinning = 1e9;
   const auto feed = [&](auto sample) {
