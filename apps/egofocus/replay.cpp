@@ -80,7 +80,7 @@ void run(const Arguments& arguments) {
     const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
     report.add(frame, spent.count());
     if (const recording::DepthTruth* truth = replay.folder().truth_at(frame.t_us); truth != nullptr && recording::png_available()) {
-      report.add_truth(recording::depth_error(frame, std::span<const float>(recording::read_depth(*truth, replay.folder().camera).pixels)));
+      report.add_truth(recording::frame_error(frame, recording::read_depth(*truth, replay.folder().camera).pixels));
     }
     if (pictures) pictures->write(frame, replay.config().camera.intrinsics, replay.events_between(before_us, frame.t_us));
     before_us = frame.t_us;
