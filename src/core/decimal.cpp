@@ -99,4 +99,18 @@ bool to_microseconds(const Decimal& seconds, std::int64_t& t_us) noexcept {
   return true;
 }
 
+bool to_nearest_microsecond(const Decimal& seconds, std::int64_t& t_us) noexcept {
+  Decimal magnitude{.digits = seconds.digits, .exponent = seconds.exponent, .negative = false};
+  std::uint64_t first_cut = 0;  // the first digit after the microsecond decides alone
+  for (; magnitude.exponent < -6 && magnitude.digits != 0; ++magnitude.exponent) {
+    first_cut = magnitude.digits % 10;
+    magnitude.digits /= 10;
+  }
+  if (magnitude.exponent < -6) first_cut = 0;
+  if (!to_microseconds(magnitude, t_us)) return false;
+  if (first_cut >= 5) ++t_us;  // digits were cut, so t_us is below 2^64 / 10
+  if (seconds.negative) t_us = -t_us;
+  return true;
+}
+
 }  // namespace egofocus

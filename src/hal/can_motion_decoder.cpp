@@ -161,7 +161,7 @@ Status CanMotionDecoder::add_entry(std::size_t index, const DbcMessage& message,
 
   Part& part = parts_[part_count_++];
   part = Part{};
-  part.signal = signal;
+  part.signal = static_cast<std::uint16_t>(signal);
   part.raw_max = entry.raw_max;
   part.scale = entry.scale;
   part.offset = entry.offset;

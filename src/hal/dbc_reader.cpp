@@ -154,6 +154,7 @@ class Reader {
 
   // SG_MUL_VAL_ 100 Signal Multiplexer 0-3, 7-7;
   bool multiplexer_values() noexcept {
+    if (!close_message()) return false;  // its defaults come first
     DbcSignal* signal = nullptr;
     if (!known_signal(signal)) return false;
     if (signal == nullptr) return true;

@@ -12,15 +12,16 @@
 
 namespace egofocus {
 
-/// Checks range and order, gives out events from the smallest x on, and holds back what finds no room: no event is
-/// ever lost for want of space. All three EVT decoders end here.
+/// Checks range and order, gives out events from the smallest x on, and holds back what finds no room: no
+/// event is ever lost for want of space. All three EVT decoders end here.
 class EventRow {
  public:
   explicit constexpr EventRow(SensorSize size) noexcept : size_(size) {}
 
-  /// Bit i of `mask` stands for pixel (event.x + i, event.y) with the time and polarity of `event`. Returns the
-  /// events written to `room`. Precondition: nothing is held back. Thread: one. RT: yes.
-  std::size_t place(const Event& event, std::uint32_t mask, std::span<Event> room, EvtCounters& counters) noexcept {
+  /// Bit i of `mask` stands for pixel (event.x + i, event.y) with the time and polarity of `event`. Returns
+  /// the events written to `room`. Precondition: nothing is held back. Thread: one. RT: yes.
+  std::size_t place(const Event& event, std::uint32_t mask, std::span<Event> room,
+                    EvtCounters& counters) noexcept {
     const std::uint32_t inside = mask & mask_inside(event);
     if (inside != mask) {
       counters.count(EvtViolation::kOutOfRange, static_cast<std::uint64_t>(std::popcount(mask ^ inside)));

@@ -14,9 +14,9 @@ struct EventRun {
   std::uint32_t mask = 1;  ///< bit i: pixel first_x + i
 };
 
-/// Events from the first one on with its time, row and polarity, x strictly rising (a decoder gives vectors out in
-/// that order) and within first_x .. first_x + 31. Precondition: `events` is not empty, first_x <= its first x <
-/// first_x + 32. Thread: any. RT: yes, at most 32 steps.
+/// Events from the first one on with its time, row and polarity, x strictly rising (a decoder gives vectors
+/// out in that order) and within first_x .. first_x + 31. Precondition: `events` is not empty, first_x <= its
+/// first x < first_x + 32. Thread: any. RT: yes, at most 32 steps.
 inline EventRun run_from(std::span<const Event> events, std::uint32_t first_x) noexcept {
   const Event& first = events[0];
   EventRun run{.events = 1, .mask = 1u << (first.x - first_x)};

@@ -37,7 +37,8 @@ std::size_t Evt21Decoder::take(std::uint64_t word, std::span<Event> room) noexce
     return 0;
   }
   if (!time_high_.known()) {
-    if (is_event) counters_.count(EvtViolation::kBeforeTimeHigh, static_cast<std::uint64_t>(std::popcount(lower)));
+    if (is_event)
+      counters_.count(EvtViolation::kBeforeTimeHigh, static_cast<std::uint64_t>(std::popcount(lower)));
     return 0;
   }
   const std::int64_t t_us = time_high_.value() * 64 + ((upper >> 22) & 0x3f);
@@ -55,9 +56,13 @@ std::size_t Evt21Decoder::take(std::uint64_t word, std::span<Event> room) noexce
                   .id = static_cast<std::uint8_t>((upper >> 8) & 0x1f),
                   .value = static_cast<std::uint8_t>(upper & 1)};
       break;
-    case kOthers: counters_.take_others(upper & 0xffff, lower); break;
-    case kContinued: break;  // more payload of an OTHERS that we have no use for
-    default: counters_.count(EvtViolation::kUnknownWord);
+    case kOthers:
+      counters_.take_others(upper & 0xffff, lower);
+      break;
+    case kContinued:
+      break;  // more payload of an OTHERS that we have no use for
+    default:
+      counters_.count(EvtViolation::kUnknownWord);
   }
   return 0;
 }

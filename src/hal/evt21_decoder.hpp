@@ -19,9 +19,9 @@ enum class Evt21Order : std::uint8_t {
   kLegacy,        ///< high half first (IMX636; RAW files that name no endianness)
 };
 
-/// Bytes in any cut -> events in raw device time (us), unwrapped to 64 bits; its zero is the sensor's own. Events
-/// outside the sensor are dropped and counted, older ones given out as sent and counted. Source: facts, B2.
-/// Thread: one. RT: yes, O(bytes).
+/// Bytes in any cut -> events in raw device time (us), unwrapped to 64 bits; its zero is the sensor's own.
+/// Events outside the sensor are dropped and counted, older ones given out as sent and counted. Source:
+/// facts, B2. Thread: one. RT: yes, O(bytes).
 class Evt21Decoder {
  public:
   Evt21Decoder(SensorSize size, Evt21Order order) noexcept : row_(size), order_(order) {}

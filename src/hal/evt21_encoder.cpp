@@ -36,7 +36,8 @@ Decoded Evt21Encoder::encode(std::span<const Event> events, std::span<std::byte>
     const std::uint32_t first_x = event.x & ~31u;  // the format asks for multiples of 32
     const std::uint32_t y = event.y;
     const EventRun run = run_from(events.subspan(done.consumed), first_x);
-    write_word(word_of(type << 28 | time_low << 22 | first_x << 11 | y, run.mask, order_), out, done.produced);
+    write_word(word_of(type << 28 | time_low << 22 | first_x << 11 | y, run.mask, order_), out,
+               done.produced);
     counters_.events += run.events;
     done.consumed += run.events;
   }

@@ -52,13 +52,18 @@ std::size_t Evt2Decoder::take(std::uint32_t word, std::span<Event> room) noexcep
                   .id = static_cast<std::uint8_t>((word >> 8) & 0x1f),
                   .value = static_cast<std::uint8_t>(word & 1)};
       break;
-    case kImu: others_subtype_ = 0; break;  // old evaluation kits; its five CONTINUED words are passed over
-    case kOther: others_subtype_ = word & 0xffff; break;
+    case kImu:
+      others_subtype_ = 0;
+      break;  // old evaluation kits; its five CONTINUED words are passed over
+    case kOther:
+      others_subtype_ = word & 0xffff;
+      break;
     case kContinued:
       counters_.take_others(others_subtype_, word & kContinuedPayload);
       others_subtype_ = 0;
       break;
-    default: counters_.count(EvtViolation::kUnknownWord);
+    default:
+      counters_.count(EvtViolation::kUnknownWord);
   }
   return 0;
 }

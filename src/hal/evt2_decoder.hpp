@@ -13,9 +13,9 @@
 
 namespace egofocus {
 
-/// Bytes in any cut -> events in raw device time (us), unwrapped to 64 bits; its zero is the sensor's own. Events
-/// outside the sensor are dropped and counted, older ones given out as sent and counted. Source: facts, B1.
-/// Thread: one. RT: yes, O(bytes).
+/// Bytes in any cut -> events in raw device time (us), unwrapped to 64 bits; its zero is the sensor's own.
+/// Events outside the sensor are dropped and counted, older ones given out as sent and counted. Source:
+/// facts, B1. Thread: one. RT: yes, O(bytes).
 class Evt2Decoder {
  public:
   explicit Evt2Decoder(SensorSize size) noexcept : row_(size) {}

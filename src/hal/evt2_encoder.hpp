@@ -11,9 +11,9 @@
 
 namespace egofocus {
 
-/// The decoder gives back exactly the events that went in, times included, if they are sorted by time and t >= 0.
-/// From time 0 to the first event, and in silences, it writes one word per 1.2 hours. Source: facts, B1.
-/// Thread: one. RT: yes, O(events).
+/// The decoder gives back exactly the events that went in, times included, if they are sorted by time and t
+/// >= 0. From time 0 to the first event, and in silences, it writes one word per 1.2 hours. Source: facts,
+/// B1. Thread: one. RT: yes, O(events).
 class Evt2Encoder {
  public:
   static constexpr std::size_t kMinRoomBytes = 4;  ///< with less, encode() does nothing

@@ -26,10 +26,14 @@ constexpr std::uint16_t kPastAllColumns = kPixelBits + 1;  // where a base that 
 
 std::uint64_t events_in(std::uint32_t type, std::uint16_t word) noexcept {
   switch (type) {
-    case kAddrX: return 1;
-    case kVect12: return static_cast<std::uint64_t>(std::popcount(word & 0xfffu));
-    case kVect8: return static_cast<std::uint64_t>(std::popcount(word & 0xffu));
-    default: return 0;
+    case kAddrX:
+      return 1;
+    case kVect12:
+      return static_cast<std::uint64_t>(std::popcount(word & 0xfffu));
+    case kVect8:
+      return static_cast<std::uint64_t>(std::popcount(word & 0xffu));
+    default:
+      return 0;
   }
 }
 
@@ -60,40 +64,54 @@ std::size_t Evt3Decoder::take(std::uint16_t word, std::span<Event> room) noexcep
       // The words are redundant: only one that brings a new value starts the lower part afresh.
       if (time_high_.take(payload, counters_)) time_low_ = 0;
       break;
-    case kTimeLow: take_time_low(payload); break;
+    case kTimeLow:
+      take_time_low(payload);
+      break;
     case kAddrY:  // the bit above y names the camera of a synchronised pair; there is one here
       y_ = pixel;
       has_y_ = true;
       break;
-    case kAddrX: return place(pixel, polarity, 1, room);
+    case kAddrX:
+      return place(pixel, polarity, 1, room);
     case kVectBaseX:
       base_x_ = pixel;
       base_polarity_ = polarity;
       has_base_ = true;
       break;
-    case kVect12: return take_vector(payload, 12, room);
-    case kVect8: return take_vector(payload & 0xff, 8, room);
+    case kVect12:
+      return take_vector(payload, 12, room);
+    case kVect8:
+      return take_vector(payload & 0xff, 8, room);
     case kTrigger:
       ++counters_.triggers;
       trigger_ = {.t_us = time_us(),
                   .id = static_cast<std::uint8_t>(payload >> 8),
                   .value = static_cast<std::uint8_t>(payload & 1)};
       break;
-    case kOthers: others_ = {.subtype = payload}; break;
-    case kContinued12:
-      if (others_.bits <= 12) others_.payload |= static_cast<std::uint32_t>(payload) << others_.bits;
-      if (others_.bits <= 12) others_.bits += 12;
+    case kOthers:
+      others_ = {.subtype = payload};
       break;
+    case kContinued12:
     case kContinued4:
-      if (others_.bits == 24) {
-        counters_.take_others(others_.subtype, others_.payload | static_cast<std::uint32_t>(payload & 0xf) << 24);
-      }
+      take_others_part(type, payload);
+      break;
+    case kImu:
       others_ = {};
       break;
-    case kImu: others_ = {}; break;
-    default: counters_.count(EvtViolation::kUnknownWord);
+    default:
+      counters_.count(EvtViolation::kUnknownWord);
   }
   return 0;
+}
+
+// The payload comes low bits first: 12, 12, then 4, which real sensors leave out where they are zero. The
+// counters are sums, so each part can be added as soon as it is there.
+void Evt3Decoder::take_others_part(std::uint32_t type, std::uint32_t payload) noexcept {
+  const int shift = others_.next_shift;
+  const bool expected = shift < 24 ? type == kContinued12 : shift == 24 && type == kContinued4;
+  if (!expected) return;
+  counters_.take_others(others_.subtype, (shift < 24 ? payload : payload & 0xf) << shift);
+  others_.next_shift += 12;
 }
 
 void Evt3Decoder::take_time_low(std::uint16_t low) noexcept {

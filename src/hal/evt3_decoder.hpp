@@ -13,10 +13,10 @@
 
 namespace egofocus {
 
-/// Bytes in any cut -> events in raw device time (us), unwrapped to 64 bits; its zero is the sensor's own. Events
-/// outside the sensor are dropped and counted, older ones given out as sent and counted.
-/// Time has 24 bits on the wire: a silence above 8.4 s in which the sensor sends no TIME_HIGH either cannot be told
-/// from a shorter one. Source: facts, B3. Thread: one. RT: yes, O(bytes).
+/// Bytes in any cut -> events in raw device time (us), unwrapped to 64 bits; its zero is the sensor's own.
+/// Events outside the sensor are dropped and counted, older ones given out as sent and counted. Time has 24
+/// bits on the wire: a silence above 8.4 s in which the sensor sends no TIME_HIGH either cannot be told from
+/// a shorter one. Source: facts, B3. Thread: one. RT: yes, O(bytes).
 class Evt3Decoder {
  public:
   explicit Evt3Decoder(SensorSize size) noexcept : row_(size) {}
@@ -28,16 +28,17 @@ class Evt3Decoder {
   [[nodiscard]] const EvtTrigger& last_trigger() const noexcept { return trigger_; }
 
  private:
-  /// The 28-bit payload of an OTHERS word, which comes in three pieces, low bits first.
+  // The OTHERS word whose payload is coming in.
   struct Others {
     std::uint32_t subtype = 0;
-    std::uint32_t payload = 0;
-    int bits = 0;
+    int next_shift = 0;
   };
 
   std::size_t take(std::uint16_t word, std::span<Event> room) noexcept;
   std::size_t take_vector(std::uint32_t mask, int columns, std::span<Event> room) noexcept;
-  std::size_t place(std::uint16_t x, std::uint8_t polarity, std::uint32_t mask, std::span<Event> room) noexcept;
+  std::size_t place(std::uint16_t x, std::uint8_t polarity, std::uint32_t mask,
+                    std::span<Event> room) noexcept;
+  void take_others_part(std::uint32_t type, std::uint32_t payload) noexcept;
   void take_time_low(std::uint16_t low) noexcept;
   [[nodiscard]] std::int64_t time_us() const noexcept { return time_high_.value() * 4096 + time_low_; }
 

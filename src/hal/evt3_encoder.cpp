@@ -19,7 +19,9 @@ constexpr std::uint32_t kTimeLow = 0x6;
 constexpr std::uint32_t kTimeHigh = 0x8;
 
 // A base and the vectors of 12, 12 and 8 pixels after it, without the empty ones at the end.
-std::size_t vector_words(std::uint32_t mask) noexcept { return mask >> 24 != 0 ? 4 : mask >> 12 != 0 ? 3 : 2; }
+std::size_t vector_words(std::uint32_t mask) noexcept {
+  return mask >> 24 != 0 ? 4 : mask >> 12 != 0 ? 3 : 2;
+}
 
 }  // namespace
 

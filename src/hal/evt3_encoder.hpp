@@ -12,10 +12,10 @@
 
 namespace egofocus {
 
-/// The decoder gives back exactly the events that went in, times included, if they are sorted by time and t >= 0.
-/// From time 0 to the first event, and in silences, it writes one word per 4.2 s: subtract an origin from times that
-/// count from an epoch. Vectors are used where they are shorter than single events. Source: facts, B3.
-/// Thread: one. RT: yes, O(events).
+/// The decoder gives back exactly the events that went in, times included, if they are sorted by time and t
+/// >= 0. From time 0 to the first event, and in silences, it writes one word per 4.2 s: subtract an origin
+/// from times that count from an epoch. Vectors are used where they are shorter than single events. Source:
+/// facts, B3. Thread: one. RT: yes, O(events).
 class Evt3Encoder {
  public:
   static constexpr std::size_t kMinRoomBytes = 8;  ///< with less, encode() does nothing

@@ -23,19 +23,25 @@ class EvtDecoder {
   /// Promise and protocol: see Decoded. Thread: one. RT: yes.
   Decoded feed(std::span<const std::byte> bytes, std::span<Event> out) noexcept {
     switch (format_) {
-      case EvtFormat::kEvt2: return evt2_.feed(bytes, out);
+      case EvtFormat::kEvt2:
+        return evt2_.feed(bytes, out);
       case EvtFormat::kEvt21:
-      case EvtFormat::kEvt21Legacy: return evt21_.feed(bytes, out);
-      case EvtFormat::kEvt3: break;
+      case EvtFormat::kEvt21Legacy:
+        return evt21_.feed(bytes, out);
+      case EvtFormat::kEvt3:
+        break;
     }
     return evt3_.feed(bytes, out);
   }
   [[nodiscard]] const EvtCounters& counters() const noexcept {
     switch (format_) {
-      case EvtFormat::kEvt2: return evt2_.counters();
+      case EvtFormat::kEvt2:
+        return evt2_.counters();
       case EvtFormat::kEvt21:
-      case EvtFormat::kEvt21Legacy: return evt21_.counters();
-      case EvtFormat::kEvt3: break;
+      case EvtFormat::kEvt21Legacy:
+        return evt21_.counters();
+      case EvtFormat::kEvt3:
+        break;
     }
     return evt3_.counters();
   }

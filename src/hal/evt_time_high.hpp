@@ -8,12 +8,13 @@
 
 namespace egofocus {
 
-/// Unwraps a counter of `bits` bits. A step back by half the range or more is a wrap; any other step back, and any
-/// leap ahead by half the range or more, is an error and refused (facts: EVT3, OpenEB's loop rule).
+/// Unwraps a counter of `bits` bits. A step back by half the range or more is a wrap; any other step back,
+/// and any leap ahead by half the range or more, is an error and refused (facts: EVT3, OpenEB's loop rule).
 ///
-/// One corrupt word that was believed would then make every true one look wrong. So after kResetAfter refusals in a
-/// row the sensor is believed, and time moves to the nearest value that fits, which may lie in the past: that is
-/// what a restarted sensor looks like too, and whoever maps device time to host time sees kTimeReset.
+/// One corrupt word that was believed would then make every true one look wrong. So after kResetAfter
+/// refusals in a row the sensor is believed, and time moves to the nearest value that fits, which may lie in
+/// the past: that is what a restarted sensor looks like too, and whoever maps device time to host time sees
+/// kTimeReset.
 class TimeHighReader {
  public:
   static constexpr std::uint32_t kResetAfter = 16;
@@ -57,8 +58,8 @@ class TimeHighReader {
   bool known_ = false;
 };
 
-/// Says which TIME_HIGH words an encoder owes before it may write something of a given time. No step is longer than
-/// a quarter of the range, so that silence of any length stays unambiguous.
+/// Says which TIME_HIGH words an encoder owes before it may write something of a given time. No step is
+/// longer than a quarter of the range, so that silence of any length stays unambiguous.
 class TimeHighWriter {
  public:
   explicit constexpr TimeHighWriter(int bits) noexcept : range_(std::int64_t{1} << bits) {}
@@ -66,13 +67,16 @@ class TimeHighWriter {
   /// True: write `counter` first, then ask again. Precondition: can_reach(target). Thread: one. RT: yes.
   bool owes(std::int64_t target, std::uint32_t& counter) noexcept {
     if (value_ == target) return false;
-    const std::int64_t longest = value_ < 0 ? range_ : value_ + range_ / 4 + 1;  // the first word may say anything
+    const std::int64_t longest =
+        value_ < 0 ? range_ : value_ + range_ / 4 + 1;  // the first word may say anything
     value_ = target < longest ? target : longest - 1;
     counter = static_cast<std::uint32_t>(value_ & (range_ - 1));
     return true;
   }
-  /// The format cannot go back, nor below zero.
-  [[nodiscard]] bool can_reach(std::int64_t target) const noexcept { return target >= 0 && target >= value_; }
+  /// The format cannot go back, nor below zero; and a silence of 2^16 wraps is no recording but a mistake.
+  [[nodiscard]] bool can_reach(std::int64_t target) const noexcept {
+    return target >= 0 && target >= value_ && target - value_ < range_ * 65536;
+  }
 
  private:
   std::int64_t range_;

@@ -9,8 +9,8 @@ namespace egofocus {
 template <typename Word>
 class WordReader {
  public:
-  /// The next whole word of `bytes` from `at` on, which moves past all that was taken. False when the bytes end
-  /// first: they were taken all the same and wait here for their rest. Thread: one. RT: yes.
+  /// The next whole word of `bytes` from `at` on, which moves past all that was taken. False when the bytes
+  /// end first: they were taken all the same and wait here for their rest. Thread: one. RT: yes.
   bool next(std::span<const std::byte> bytes, std::size_t& at, Word& word) noexcept {
     if (held_ == 0 && bytes.size() - at >= sizeof(Word)) {
       word = 0;
@@ -42,7 +42,8 @@ class WordReader {
 /// Writes `word` at `at`, which moves behind it. Precondition: there is room. Thread: any. RT: yes.
 template <typename Word>
 void write_word(Word word, std::span<std::byte> bytes, std::size_t& at) noexcept {
-  for (std::size_t i = 0; i < sizeof(Word); ++i) bytes[at++] = static_cast<std::byte>((word >> (8 * i)) & 0xff);
+  for (std::size_t i = 0; i < sizeof(Word); ++i)
+    bytes[at++] = static_cast<std::byte>((word >> (8 * i)) & 0xff);
 }
 
 }  // namespace egofocus

@@ -24,15 +24,17 @@ struct Fields {
 
 std::string_view trimmed(std::string_view text) noexcept {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
+    text.remove_suffix(1);
   return text;
 }
 
 // The part before `separator`, which leaves `text` together with it.
 std::string_view cut(std::string_view& text, char separator) noexcept {
-  const std::size_t at = text.find(separator);
-  const std::string_view head = text.substr(0, at);
-  text = at == std::string_view::npos ? std::string_view{} : text.substr(at + 1);
+  std::size_t at = 0;
+  while (at < text.size() && text[at] != separator) ++at;
+  const std::string_view head(text.data(), at);
+  text.remove_prefix(at < text.size() ? at + 1 : at);
   return head;
 }
 
@@ -58,7 +60,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) noexcept {
 
 bool contains_ignoring_case(std::string_view text, std::string_view word) noexcept {
   for (std::size_t i = 0; i + word.size() <= text.size(); ++i) {
-    if (equal_ignoring_case(text.substr(i, word.size()), word)) return true;
+    if (equal_ignoring_case({text.data() + i, word.size()}, word)) return true;
   }
   return false;
 }
@@ -69,8 +71,8 @@ SensorSize size_of_sensor(std::string_view name) noexcept {
     SensorSize size;
   };
   constexpr Known kKnown[] = {
-      {"imx636", {1280, 720}}, {"imx646", {640, 480}}, {"imx647", {640, 480}}, {"genx320", {320, 320}},
-      {"gen4", {1280, 720}},   {"gen3", {640, 480}},
+      {"imx636", {1280, 720}}, {"imx646", {640, 480}}, {"imx647", {640, 480}},
+      {"genx320", {320, 320}}, {"gen4", {1280, 720}},  {"gen3", {640, 480}},
   };
   for (const Known& known : kKnown) {
     if (contains_ignoring_case(name, known.word)) return known.size;
@@ -79,8 +81,8 @@ SensorSize size_of_sensor(std::string_view name) noexcept {
 }
 
 SensorSize size_of_generation(std::string_view generation) noexcept {
-  if (generation.substr(0, 2) == "3." || generation == "3") return {640, 480};
-  if (generation.substr(0, 2) == "4." || generation == "4") return {1280, 720};
+  if (generation.starts_with('3')) return {640, 480};
+  if (generation.starts_with('4')) return {1280, 720};
   return {};
 }
 
@@ -172,14 +174,17 @@ Status take_line(std::string_view text, std::int64_t line, Fields& fields, RawHe
 }
 
 Status settle(const Fields& fields, std::int64_t line, RawHeader& header) noexcept {
-  if (!fields.has_format && !fields.has_evt) return {StatusCode::kBadHeader, "neither format nor evt is there", line};
+  if (!fields.has_format && !fields.has_evt)
+    return {StatusCode::kBadHeader, "neither format nor evt is there", line};
   header.format = fields.has_format ? fields.format : fields.evt;
   if (header.format == EvtFormat::kEvt21 && !fields.little_endian) header.format = EvtFormat::kEvt21Legacy;
   header.size = fields.geometry.width_px != 0 ? fields.geometry : fields.sensor;
   if (fields.format_width != 0 && fields.format_height != 0) {
-    header.size = {static_cast<std::uint16_t>(fields.format_width), static_cast<std::uint16_t>(fields.format_height)};
+    header.size = {static_cast<std::uint16_t>(fields.format_width),
+                   static_cast<std::uint16_t>(fields.format_height)};
   }
-  if (header.size.width_px == 0) return {StatusCode::kBadHeader, "geometry is missing, and the sensor not known", line};
+  if (header.size.width_px == 0)
+    return {StatusCode::kBadHeader, "geometry is missing, and the sensor not known", line};
   return {};
 }
 
@@ -187,10 +192,14 @@ Status settle(const Fields& fields, std::int64_t line, RawHeader& header) noexce
 
 const char* to_string(EvtFormat format) noexcept {
   switch (format) {
-    case EvtFormat::kEvt2: return "EVT2";
-    case EvtFormat::kEvt21: return "EVT2.1";
-    case EvtFormat::kEvt21Legacy: return "EVT2.1 (legacy order)";
-    case EvtFormat::kEvt3: return "EVT3";
+    case EvtFormat::kEvt2:
+      return "EVT2";
+    case EvtFormat::kEvt21:
+      return "EVT2.1";
+    case EvtFormat::kEvt21Legacy:
+      return "EVT2.1 (legacy order)";
+    case EvtFormat::kEvt3:
+      return "EVT3";
   }
   return "";
 }
@@ -209,7 +218,8 @@ Status parse_raw_header(std::span<const std::byte> file, RawHeader& header) noex
       text[length] = static_cast<char>(rest[length]);
       ++length;
     }
-    if (length == rest.size() || length == kMaxLineBytes) return {StatusCode::kBadHeader, "line without end", line};
+    if (length == rest.size() || length == kMaxLineBytes)
+      return {StatusCode::kBadHeader, "line without end", line};
     header.header_bytes += length + 1;
     const std::string_view content(text + 2, length - 2);
     if (trimmed(content) == "end") break;

@@ -1,5 +1,5 @@
-// The ASCII header of Prophesee RAW files: lines "% key value", closed by "% end" (old files: by the first line that
-// does not begin with "% ").
+// The ASCII header of Prophesee RAW files: lines "% key value", closed by "% end" (old files: by the first
+// line that does not begin with "% ").
 #pragma once
 
 #include <cstddef>
@@ -26,16 +26,16 @@ struct RawHeader {
   std::size_t header_bytes = 0;  ///< the words begin here
 };
 
-/// Reads the header at the beginning of `file`, whose bytes are not trusted. Precedence: `format` over `evt`, its
-/// height and width over `geometry`, that over the sensor's name or generation; EVT 2.1 that names no endianness is
-/// in legacy order. Source: facts, C1.
-/// Errors, with the line from 1 in value(): kBadHeader: no header, a number or line that cannot be, no format, no
-/// geometry; kUnsupportedFormat: another format. Thread: any. RT: no, set-up.
+/// Reads the header at the beginning of `file`, whose bytes are not trusted. Precedence: `format` over `evt`,
+/// its height and width over `geometry`, that over the sensor's name or generation; EVT 2.1 that names no
+/// endianness is in legacy order. Source: facts, C1. Errors, with the line from 1 in value(): kBadHeader: no
+/// header, a number or line that cannot be, no format, no geometry; kUnsupportedFormat: another format.
+/// Thread: any. RT: no, set-up.
 Status parse_raw_header(std::span<const std::byte> file, RawHeader& header) noexcept;
 
-/// Writes the header that parse_raw_header() reads back (header_bytes is not looked at; empty texts are left out).
-/// Returns its bytes, or 0 if `out` is too small; kMaxWrittenRawHeaderBytes always suffices.
-/// Thread: any. RT: no, set-up.
+/// Writes the header that parse_raw_header() reads back (header_bytes is not looked at; empty texts are left
+/// out). Returns its bytes, or 0 if `out` is too small; kMaxWrittenRawHeaderBytes always suffices. Thread:
+/// any. RT: no, set-up.
 std::size_t write_raw_header(const RawHeader& header, std::span<std::byte> out) noexcept;
 inline constexpr std::size_t kMaxWrittenRawHeaderBytes = 320;
 

@@ -45,10 +45,14 @@ struct Names {
 
 Names names_of(EvtFormat format) noexcept {
   switch (format) {
-    case EvtFormat::kEvt2: return {"EVT2", "2.0", "little"};
-    case EvtFormat::kEvt21: return {"EVT21", "2.1", "little"};
-    case EvtFormat::kEvt21Legacy: return {"EVT21", "2.1", "legacy"};
-    case EvtFormat::kEvt3: return {"EVT3", "3.0", "little"};
+    case EvtFormat::kEvt2:
+      return {"EVT2", "2.0", "little"};
+    case EvtFormat::kEvt21:
+      return {"EVT21", "2.1", "little"};
+    case EvtFormat::kEvt21Legacy:
+      return {"EVT21", "2.1", "legacy"};
+    case EvtFormat::kEvt3:
+      return {"EVT3", "3.0", "little"};
   }
   return {};
 }
