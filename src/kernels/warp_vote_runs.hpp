@@ -24,8 +24,9 @@ inline constexpr std::int32_t kNoCell = -16;
 /// Room for the runs of a block, and for whole vectors stored past the last of them.
 inline constexpr std::int32_t kRunRoom = kVoteBlock * kVoteGroup + kVoteLane;
 
-/// Byte h of entry m counts hypothesis h of the run's bits m.
-inline constexpr std::uint32_t kRunCounts[16] = {
+/// Byte h of entry m counts hypothesis h of the run's bits m. Not `inline`: each object has its own, and
+/// exports no weak symbol.
+constexpr std::uint32_t kRunCounts[16] = {
     0x00000000, 0x00000001, 0x00000100, 0x00000101, 0x00010000, 0x00010001, 0x00010100, 0x00010101,
     0x01000000, 0x01000001, 0x01000100, 0x01000101, 0x01010000, 0x01010001, 0x01010100, 0x01010101};
 
