@@ -54,7 +54,7 @@ void measure(benchmark::State& state, RequantCandidate* run, bool wide) {
   for (std::size_t i = 0; i < kElements; ++i) {
     if (std::abs(o.out[i] - requant_u8(o.acc[i], o.scale[i], 0)) > 1) state.SkipWithError("wrong result");
   }
-  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * kElements));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kElements));
 }
 
 bool register_candidates() {
