@@ -6,6 +6,9 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
   set(EGOFOCUS_ISA_sse41 "-msse4.1;-mno-sse4.2;-mno-avx")
   set(EGOFOCUS_ISA_avx2 "-mavx2;-mno-fma;-mno-avx512f")
   set(EGOFOCUS_ISA_avx512 "-mavx512f;-mavx512bw;-mavx512vl;-mavx512dq;-mprefer-vector-width=512")
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    list(APPEND EGOFOCUS_ISA_avx512 "-mno-fma")  # clang counts FMA as a part of AVX-512 and would switch off both
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     list(APPEND EGOFOCUS_ISA_avx512 "-Wno-maybe-uninitialized")  # its own avx512fintrin.h trips over it
   endif()

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "egofocus/types.hpp"
 
@@ -31,7 +32,7 @@ struct LadderConfig {
   LadderKind kind = LadderKind::kParallax;
   std::int32_t hypotheses = 64;  ///< 8..64, a multiple of 8
   double z_near_m = 2.0;         ///< nearest depth that must fit; with kParallax it limits the window's age
-  double span_px = 24.0;         ///< kParallax only
+  double span_px = 40.0;         ///< kParallax only
   double min_parallax_px = 2.0;  ///< at z_near; below it the frame carries kNoParallax
 };
 
@@ -41,12 +42,18 @@ struct WindowConfig {
   std::int64_t max_age_us = 200000;
 };
 
+struct Pixel {
+  std::uint16_t x = 0;
+  std::uint16_t y = 0;
+};
+
 /// The event filter. Zero switches a stage off.
 struct FilterConfig {
-  std::int64_t refractory_us = 0;         ///< an event this soon after the last kept one of its pixel is dropped
-  std::int64_t isolated_us = 0;           ///< no neighbour (8) had an event within this time: dropped
-  std::int32_t hot_pixel_rate_hz = 0;     ///< a pixel above this rate over `hot_pixel_learn_us` is masked
+  std::int64_t refractory_us = 0;      ///< an event this soon after the last kept one of its pixel is dropped
+  std::int64_t isolated_us = 0;        ///< no neighbour (8) had an event within this time: dropped
+  std::int32_t hot_pixel_rate_hz = 0;  ///< a pixel above this rate over `hot_pixel_learn_us` is masked
   std::int64_t hot_pixel_learn_us = 1000000;
+  std::span<const Pixel> hot_pixels;  ///< masked from the start; read by Engine::configure() only
 };
 
 enum class MotionSource : std::uint8_t { kOdometry, kPoses };
@@ -62,36 +69,45 @@ struct MotionConfig {
   double camera_from_body[9] = {0, -1, 0, 0, 0, -1, 1, 0, 0};
   /// Camera centre in the body frame (lever arm).
   double camera_in_body_m[3] = {0, 0, 0};
-  double gyro_noise_rad_s = 0.005;           ///< 1-sigma of one sample
-  double gyro_bias_walk_rad_s2 = 1e-4;       ///< per sqrt(s)
+  double gyro_noise_rad_s = 0.005;      ///< 1-sigma of one sample
+  double gyro_bias_walk_rad_s2 = 1e-4;  ///< per sqrt(s)
   double accel_noise_m_s2 = 0.15;
-  double wheel_noise_m_s = 0.05;             ///< 1-sigma, quantisation included
-  double wheel_scale_error = 0.02;           ///< 1-sigma, relative
-  double lateral_noise_m_s = 0.05;           ///< of the non-holonomic measurement
-  double max_speed_m_s = 60.0;               ///< beyond it a sample is invalid
+  double wheel_noise_m_s = 0.05;    ///< 1-sigma, quantisation included
+  double wheel_scale_error = 0.02;  ///< 1-sigma, relative
+  double lateral_noise_m_s = 0.05;  ///< of the non-holonomic measurement
+  double max_speed_m_s = 60.0;      ///< beyond it a sample is invalid
   double max_rate_rad_s = 40.0;
-  std::int64_t stale_after_us = 100000;      ///< newest motion sample older than this: kStaleVelocity
-  std::int64_t max_pose_gap_us = 100000;     ///< between two poses; no track is built across a longer gap
+  std::int64_t stale_after_us = 100000;   ///< newest motion sample older than this: kStaleVelocity
+  std::int64_t max_pose_gap_us = 100000;  ///< between two poses; no track is built across a longer gap
 };
 
+/// What "in focus" means for the image of warped events I_k, over a support around each pixel. Each cost has
+/// its expectation under evenly spread events taken off, and is divided by the number of events in the
+/// support.
 enum class FocusCost : std::uint8_t {
-  kVariance,  ///< spread of the counts over the support
-  kSosa,      ///< sum of suppressed accumulations
-  kSoe,       ///< sum of exponentials
-  kSti,       ///< squared mean-time-stamp image
+  kGradient,  ///< energy of the central differences of I_k (default: best on real events)
+  kVariance,  ///< squared counts
+  kSosa,      ///< sum of suppressed accumulations, exp(-0.4 I)
+  kSoe,       ///< sum of exponentials, exp(0.1 I)
+  kSti,       ///< squared time-stamp image: events of one edge share their mean time
 };
 
 struct FocusConfig {
-  FocusCost cost = FocusCost::kVariance;
-  std::int32_t support_px = 9;   ///< r of the r x r support, odd, 3..15
-  std::int32_t min_support_events = 8;  ///< fewer votes in the support at the peak: no estimate
+  FocusCost cost = FocusCost::kGradient;
+  /// Side of the support in cells of 2x2 pixels; odd, 3..15. The box is applied twice, which is nearly a
+  /// Gaussian.
+  std::int32_t support_cells = 7;
+  /// Semi-global smoothing of the cost volume along 4 paths; off: argmax alone.
+  bool smoothing = true;
+  /// Fewer events than this in the support at the peak: no estimate.
+  std::int32_t min_support_events = 8;
 };
 
 enum class Backend : std::uint8_t { kFocus };
 
 struct RateConfig {
-  double rate_hz = 20.0;            ///< 0.1..1000
-  std::int64_t lateness_us = 0;     ///< tick k is about t_k and runs at t_k + lateness_us
+  double rate_hz = 20.0;         ///< 0.1..1000
+  std::int64_t lateness_us = 0;  ///< tick k is about t_k and runs at t_k + lateness_us
 };
 
 /// Capacities in samples: powers of two.
@@ -100,6 +116,14 @@ struct RingConfig {
   std::uint32_t imu = 1u << 10;
   std::uint32_t odometry = 1u << 10;
   std::uint32_t poses = 1u << 10;
+};
+
+/// Applied by Engine::start() on the monotonic clock; what the system refuses is reported in Health::refused.
+struct RealTimeConfig {
+  std::int32_t fifo_priority =
+      0;                     ///< SCHED_FIFO 1..99 for the tick and its workers; 0 leaves the scheduler alone
+  std::int32_t cpu = -1;     ///< pins the tick there and worker i to cpu + i; -1 pins nothing
+  bool lock_memory = false;  ///< mlockall
 };
 
 struct Config {
@@ -113,9 +137,10 @@ struct Config {
   FocusConfig focus;
   RateConfig rate;
   RingConfig rings;
+  RealTimeConfig real_time;
   Backend backend = Backend::kFocus;
-  std::int32_t threads = 1;             ///< 1..8 workers; the bytes are the same for any number
-  std::uint32_t isa_mask = 0xffffffffu; ///< lowers the instruction sets that may be chosen (tests)
+  std::int32_t threads = 1;              ///< 1..8 workers; the bytes are the same for any number
+  std::uint32_t isa_mask = 0xffffffffu;  ///< lowers the instruction sets that may be chosen (tests)
 };
 
 }  // namespace egofocus

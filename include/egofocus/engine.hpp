@@ -50,9 +50,9 @@ class EGOFOCUS_API Engine {
   /// The time that the next tick is about.
   [[nodiscard]] std::int64_t next_tick_us() const noexcept;
 
-  /// One step: ingest -> ego-motion -> warp -> focus -> depth, and publication. A frame is published each time.
-  /// Returns false, and does nothing, when all attached sources ended before the tick's time (kVirtual), or
-  /// after request_stop(). RT: yes.
+  /// One step: ingest -> ego-motion -> warp -> focus -> depth, and publication. A frame is published each
+  /// time. Returns false, and does nothing, when all attached sources ended before the tick's time
+  /// (kVirtual), or after request_stop(). RT: yes.
   bool tick() noexcept;
 
   /// The newest published frame; false before the first. RT: yes.

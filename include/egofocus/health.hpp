@@ -8,7 +8,7 @@
 namespace egofocus {
 
 enum class RunState : std::uint8_t {
-  kWaiting,   ///< started, nothing has come in yet
+  kWaiting,  ///< started, nothing has come in yet
   kRunning,
   kDegraded,  ///< depth comes, but with flags; see `cause`
   kStalled,   ///< no depth; see `cause`
@@ -27,40 +27,49 @@ enum class Cause : std::uint8_t {
 
 /// Every item that entered is in exactly one of the lines below its "in" line.
 struct EventCounters {
-  std::uint64_t in = 0;              ///< offered to the ring
-  std::uint64_t ring_dropped = 0;    ///< ring full
-  std::uint64_t out_of_range = 0;    ///< x or y outside the sensor
-  std::uint64_t out_of_order = 0;    ///< older than its predecessor
-  std::uint64_t late = 0;            ///< arrived after its tick had run
+  std::uint64_t in = 0;            ///< offered to the ring
+  std::uint64_t ring_dropped = 0;  ///< ring full
+  std::uint64_t out_of_range = 0;  ///< x or y outside the sensor
+  std::uint64_t out_of_order = 0;  ///< older than its predecessor
+  std::uint64_t ahead = 0;         ///< kMonotonic: more than a second after the tick, a clock gone wrong
+  std::uint64_t late = 0;          ///< arrived after its tick had run
   std::uint64_t hot_pixel = 0;
   std::uint64_t refractory = 0;
   std::uint64_t isolated = 0;
-  std::uint64_t kept = 0;            ///< went into the window
+  std::uint64_t kept = 0;  ///< went into the window
 };
 
 struct SampleCounters {
   std::uint64_t in = 0;
   std::uint64_t ring_dropped = 0;
   std::uint64_t late = 0;
-  std::uint64_t invalid = 0;       ///< not finite, or beyond the configured plausible range
+  std::uint64_t invalid = 0;  ///< not finite, or beyond the configured plausible range
   std::uint64_t used = 0;
-  std::uint64_t rejected = 0;      ///< failed the innovation gate of the ego-motion filter (also in used)
+  std::uint64_t rejected = 0;  ///< failed the innovation gate of the ego-motion filter (also in used)
 };
 
 struct WindowCounters {
   std::uint64_t outside_motion = 0;  ///< events of a window that lie before the first motion sample
   std::uint64_t decimated = 0;       ///< events left out of a warp because the window held more than N
-  std::uint64_t behind_camera = 0;   ///< event-hypothesis pairs without a vote: point behind the reference view
+  std::uint64_t behind_camera =
+      0;  ///< event-hypothesis pairs without a vote: point behind the reference view
 };
 
 struct TickCounters {
   std::uint64_t run = 0;
-  std::uint64_t late = 0;      ///< began after the deadline
-  std::uint64_t skipped = 0;   ///< grid points that were passed over because a tick took too long
+  std::uint64_t late = 0;     ///< began after the deadline
+  std::uint64_t skipped = 0;  ///< grid points that were passed over because a tick took too long
   std::uint64_t no_parallax = 0;
   std::uint64_t too_few_events = 0;
   std::uint64_t stale_velocity = 0;
   std::uint64_t no_motion = 0;
+};
+
+/// What the system refused at start(); the engine runs without it, with worse worst-case latency.
+enum RealTimeRefusal : std::uint32_t {
+  kRefusedPriority = 1u << 0,    ///< SCHED_FIFO: give the process CAP_SYS_NICE or an rtprio limit
+  kRefusedMemoryLock = 1u << 1,  ///< mlockall: raise the memlock limit
+  kRefusedPin = 1u << 2,         ///< CPU pin: the processor does not exist or is not allowed
 };
 
 struct Health {
@@ -72,6 +81,7 @@ struct Health {
   SampleCounters poses;
   WindowCounters window;
   TickCounters ticks;
+  std::uint32_t refused = 0;  ///< RealTimeRefusal bits
 };
 
 /// Static texts, for logs and tables. Thread: any. RT: yes.

@@ -49,7 +49,8 @@ struct Source {
   void* self = nullptr;
   const char* name = "";
   Status (*start)(void* self) noexcept = nullptr;
-  Delivery (*poll)(void* self, Inlets& inlets, std::int64_t until_us, std::int64_t timeout_us) noexcept = nullptr;
+  Delivery (*poll)(void* self, Inlets& inlets, std::int64_t until_us,
+                   std::int64_t timeout_us) noexcept = nullptr;
   void (*stop)(void* self) noexcept = nullptr;
 };
 

@@ -12,34 +12,35 @@ namespace egofocus {
 /// One enumerator per cause.
 enum class StatusCode : std::uint8_t {
   kOk = 0,
-  kArenaTooSmall,      ///< value = bytes given, bound = bytes needed
-  kArenaMisaligned,    ///< the block must start at a multiple of 64 bytes
-  kBadResolution,      ///< sensor or grid size out of range
-  kBadIntrinsics,      ///< focal length or centre do not fit the resolution
-  kBadDistortion,      ///< the distortion model cannot be inverted inside the picture
-  kBadLadder,          ///< hypotheses, near limit or span out of range
-  kBadRate,            ///< tick rate or lateness out of range
-  kBadRing,            ///< a ring capacity is not a power of two or too small
+  kArenaTooSmall,    ///< value = bytes given, bound = bytes needed
+  kArenaMisaligned,  ///< the block must start at a multiple of 64 bytes
+  kBadResolution,    ///< sensor or grid size out of range
+  kBadIntrinsics,    ///< focal length or centre do not fit the resolution
+  kBadDistortion,    ///< the distortion model cannot be inverted inside the picture
+  kBadLadder,        ///< hypotheses, near limit or span out of range
+  kBadRate,          ///< tick rate or lateness out of range
+  kBadRing,          ///< a ring capacity is not a power of two or too small
   kBadFilter,
   kBadWindow,
   kBadFocus,
-  kBadMotion,          ///< extrinsics or noise settings that cannot be meant
+  kBadMotion,  ///< extrinsics or noise settings that cannot be meant
   kBadThreads,
   kTooManySources,
-  kBadState,           ///< called in the wrong order (subject says which)
-  kBadHeader,          ///< a file header that cannot be understood; value = byte or line
+  kBadState,   ///< called in the wrong order (subject says which)
+  kBadHeader,  ///< a file header that cannot be understood; value = byte or line
   kUnsupportedFormat,
-  kParse,              ///< text that does not parse; value = line
-  kMissingSignal,      ///< a DBC without a signal that the configuration names
-  kThread,             ///< the system refused a thread or its pinning; value = errno
-  kIo,                 ///< the system refused I/O; value = errno
+  kParse,          ///< text that does not parse; value = line
+  kMissingSignal,  ///< a DBC without a signal that the configuration names
+  kThread,         ///< the system refused a thread or its pinning; value = errno
+  kIo,             ///< the system refused I/O; value = errno
 };
 
 /// `subject` is a static string that names the field or step; `value` and `bound` depend on the code.
 class [[nodiscard]] EGOFOCUS_API Status {
  public:
   constexpr Status() noexcept = default;
-  constexpr Status(StatusCode code, const char* subject, std::int64_t value = 0, std::int64_t bound = 0) noexcept
+  constexpr Status(StatusCode code, const char* subject, std::int64_t value = 0,
+                   std::int64_t bound = 0) noexcept
       : value_(value), bound_(bound), subject_(subject), code_(code) {}
 
   [[nodiscard]] constexpr bool ok() const noexcept { return code_ == StatusCode::kOk; }

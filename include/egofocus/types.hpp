@@ -83,10 +83,10 @@ struct DepthFrame {
   std::uint64_t votes = 0;      ///< votes that landed inside the grid, over all hypotheses
   Intrinsics grid;
   double inverse_depth_scale_per_m = 0;
-  double parallax_px = 0;        ///< rms displacement over the grid that the last hypothesis spans
-  double velocity_m_s[3] = {0, 0, 0};    ///< of the camera, in the camera frame, at t_us
+  double parallax_px = 0;              ///< rms displacement over the grid that the last hypothesis spans
+  double velocity_m_s[3] = {0, 0, 0};  ///< of the camera, in the camera frame, at t_us
   double angular_rate_rad_s[3] = {0, 0, 0};
-  double velocity_sigma_m_s = 0;         ///< 1-sigma of |velocity|; the same relative error scales the depth
+  double velocity_sigma_m_s = 0;  ///< 1-sigma of |velocity|; the same relative error scales the depth
   std::span<const std::uint16_t> inverse_depth;  ///< [height * width], row-major
   std::span<const std::uint8_t> confidence;      ///< [height * width], 0 = no estimate, 255 = best
 };

@@ -1,5 +1,5 @@
-// The one block of memory. A bump pointer, used twice with the same sequence of calls: without a block it only adds
-// up (the exact number of bytes needed), with a block it hands out. Nothing is ever given back.
+// The one block of memory. A bump pointer, used twice with the same sequence of calls: without a block it
+// only adds up (the exact number of bytes needed), with a block it hands out. Nothing is ever given back.
 // Thread: set-up thread. RT: no (set-up only).
 #pragma once
 

@@ -65,14 +65,17 @@ double cosine(double x) noexcept {
   return (r.quadrant == 1 || r.quadrant == 2) ? -v : v;
 }
 
-double tangent(double x) noexcept { return sine(x) / cosine(x); }
+double tangent(double x) noexcept {
+  return sine(x) / cosine(x);
+}
 
 double arc_tangent(double x) noexcept {
   const bool negative = x < 0;
   double a = negative ? -x : x;
   const bool inverted = a > 1.0;
   if (inverted) a = 1.0 / a;
-  // Halve the angle twice, atan(a) = 2 atan(a / (1 + sqrt(1 + a^2))): then a <= 0.199 and the series is short.
+  // Halve the angle twice, atan(a) = 2 atan(a / (1 + sqrt(1 + a^2))): then a <= 0.199 and the series is
+  // short.
   a = a / (1.0 + square_root(1.0 + a * a));
   a = a / (1.0 + square_root(1.0 + a * a));
   const double s = a * a;

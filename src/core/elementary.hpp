@@ -1,13 +1,17 @@
-// Elementary functions from + - * / and sqrt alone: IEEE 754 fixes their bits, so they are equal on every machine,
-// which libm does not promise. Accuracy is far below what pixels or motion need (tests: 1e-13 relative or absolute).
-// Thread: any. RT: yes.
+// Elementary functions from + - * / and sqrt alone: IEEE 754 fixes their bits, so they are equal on every
+// machine, which libm does not promise. Accuracy is far below what pixels or motion need (tests: 1e-13
+// relative or absolute). Thread: any. RT: yes.
 #pragma once
 
 namespace egofocus {
 
 /// IEEE square root (an instruction, never a library call). Precondition: x >= 0.
-inline double square_root(double x) noexcept { return __builtin_sqrt(x); }
-inline double absolute(double x) noexcept { return x < 0 ? -x : x; }
+inline double square_root(double x) noexcept {
+  return __builtin_sqrt(x);
+}
+inline double absolute(double x) noexcept {
+  return x < 0 ? -x : x;
+}
 
 /// Radians; |x| <= 1e5.
 double sine(double x) noexcept;

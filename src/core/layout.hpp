@@ -1,5 +1,5 @@
-// Our own constant: std::hardware_destructive_interference_size differs between targets and compiler versions,
-// and with it every layout and arena size would.
+// Our own constant: std::hardware_destructive_interference_size differs between targets and compiler
+// versions, and with it every layout and arena size would.
 #pragma once
 
 #include <cstddef>

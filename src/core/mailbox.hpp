@@ -1,10 +1,11 @@
-// Newest-value mailbox: one writer, one reader, three slots. Neither ever waits; the reader always gets the newest
-// complete value, older ones are overwritten.
+// Newest-value mailbox: one writer, one reader, three slots. Neither ever waits; the reader always gets the
+// newest complete value, older ones are overwritten.
 //
-// Proof. The three slot numbers {back, middle, front} are a permutation at all times: back belongs to the writer,
-// front to the reader, middle to nobody. Each side changes owner only by one atomic exchange of `middle_`, so no slot
-// has two owners. The exchange is acq_rel: what the writer wrote into a slot before handing it over is visible to the
-// reader that takes it, and what the reader read is finished before the writer gets the slot back.
+// Proof. The three slot numbers {back, middle, front} are a permutation at all times: back belongs to the
+// writer, front to the reader, middle to nobody. Each side changes owner only by one atomic exchange of
+// `middle_`, so no slot has two owners. The exchange is acq_rel: what the writer wrote into a slot before
+// handing it over is visible to the reader that takes it, and what the reader read is finished before the
+// writer gets the slot back.
 #pragma once
 
 #include <atomic>

@@ -3,7 +3,8 @@
 namespace egofocus {
 namespace {
 
-// Appends to a caller's buffer; keeps room for the final NUL. No printf in the library: it may allocate and lock.
+// Appends to a caller's buffer; keeps room for the final NUL. No printf in the library: it may allocate and
+// lock.
 class Line {
  public:
   explicit Line(std::span<char> out) noexcept : out_(out) {}
@@ -14,7 +15,8 @@ class Line {
   Line& number(std::int64_t value) noexcept {
     char digits[24];
     int n = 0;
-    std::uint64_t magnitude = value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
+    std::uint64_t magnitude =
+        value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
     do {
       digits[n++] = static_cast<char>('0' + magnitude % 10);
       magnitude /= 10;
@@ -41,43 +43,78 @@ std::size_t Status::describe(std::span<char> out) const noexcept {
     line.text(what).text(": ").text(subject_).text(" (got ").number(value_).text("). ").text(advice);
   };
   switch (code_) {
-    case StatusCode::kOk: line.text("ok"); break;
+    case StatusCode::kOk:
+      line.text("ok");
+      break;
     case StatusCode::kArenaTooSmall:
-      line.text("arena too small: ").number(value_).text(" bytes given, ").number(bound_)
+      line.text("arena too small: ")
+          .number(value_)
+          .text(" bytes given, ")
+          .number(bound_)
           .text(" needed. Ask Engine::required_arena() for the size.");
       break;
     case StatusCode::kArenaMisaligned:
       with_value("arena misaligned", "Its address must be a multiple of 64.");
       break;
-    case StatusCode::kBadResolution: with_value("bad resolution", "Allowed: 8..1280 by 8..1280 pixels."); break;
+    case StatusCode::kBadResolution:
+      with_value("bad resolution", "Allowed: 8..1280 by 8..1280 pixels.");
+      break;
     case StatusCode::kBadIntrinsics:
       with_value("intrinsics do not fit the resolution",
-                 "Focal length and centre must be those of this picture size: check camera.toml against the sensor.");
+                 "Focal length and centre must be those of this picture size: check camera.toml against the "
+                 "sensor.");
       break;
     case StatusCode::kBadDistortion:
-      with_value("distortion cannot be inverted inside the picture", "Check the model's name and its coefficients.");
+      with_value("distortion cannot be inverted inside the picture",
+                 "Check the model's name and its coefficients.");
       break;
-    case StatusCode::kBadLadder: with_value("bad hypotheses ladder", "See LadderConfig for the ranges."); break;
-    case StatusCode::kBadRate: with_value("bad rate", "See RateConfig for the ranges."); break;
-    case StatusCode::kBadRing: with_value("bad ring capacity", "Use a power of two from 64 to 2^24."); break;
-    case StatusCode::kBadFilter: with_value("bad event filter", "See FilterConfig for the ranges."); break;
-    case StatusCode::kBadWindow: with_value("bad window", "See WindowConfig for the ranges."); break;
-    case StatusCode::kBadFocus: with_value("bad focus setting", "See FocusConfig for the ranges."); break;
+    case StatusCode::kBadLadder:
+      with_value("bad hypotheses ladder", "See LadderConfig for the ranges.");
+      break;
+    case StatusCode::kBadRate:
+      with_value("bad rate", "See RateConfig for the ranges.");
+      break;
+    case StatusCode::kBadRing:
+      with_value("bad ring capacity", "Use a power of two from 64 to 2^24.");
+      break;
+    case StatusCode::kBadFilter:
+      with_value("bad event filter", "See FilterConfig for the ranges.");
+      break;
+    case StatusCode::kBadWindow:
+      with_value("bad window", "See WindowConfig for the ranges.");
+      break;
+    case StatusCode::kBadFocus:
+      with_value("bad focus setting", "See FocusConfig for the ranges.");
+      break;
     case StatusCode::kBadMotion:
       with_value("bad motion setting", "Rotations must be orthonormal, noises positive; see MotionConfig.");
       break;
-    case StatusCode::kBadThreads: with_value("bad number of threads", "Use 1..8."); break;
-    case StatusCode::kTooManySources: with_value("too many sources", "At most 8 can be attached."); break;
-    case StatusCode::kBadState: line.text("called in the wrong order: ").text(subject_); break;
-    case StatusCode::kBadHeader:
-      line.text("bad header: ").text(subject_).text(" (at ").number(value_).text("). Is the file complete, and of this kind?");
+    case StatusCode::kBadThreads:
+      with_value("bad number of threads", "Use 1..8.");
       break;
-    case StatusCode::kUnsupportedFormat: with_value("unsupported format", "See docs/formats.md for what can be read."); break;
+    case StatusCode::kTooManySources:
+      with_value("too many sources", "At most 8 can be attached.");
+      break;
+    case StatusCode::kBadState:
+      line.text("called in the wrong order: ").text(subject_);
+      break;
+    case StatusCode::kBadHeader:
+      line.text("bad header: ")
+          .text(subject_)
+          .text(" (at ")
+          .number(value_)
+          .text("). Is the file complete, and of this kind?");
+      break;
+    case StatusCode::kUnsupportedFormat:
+      with_value("unsupported format", "See docs/formats.md for what can be read.");
+      break;
     case StatusCode::kParse:
       line.text("cannot parse line ").number(value_).text(": ").text(subject_);
       break;
     case StatusCode::kMissingSignal:
-      line.text("the DBC has no such signal: ").text(subject_).text(". Check the names under [[can.signals]] in camera.toml.");
+      line.text("the DBC has no such signal: ")
+          .text(subject_)
+          .text(". Check the names under [[can.signals]] in camera.toml.");
       break;
     case StatusCode::kThread:
       line.text("the system refused: ").text(subject_).text(" (errno ").number(value_).text(")");

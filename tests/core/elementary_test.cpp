@@ -14,7 +14,8 @@ TEST_CASE("elementary functions agree with libm") {
     CHECK(std::abs(arc_tangent2(x, 0.3 - x) - std::atan2(x, 0.3 - x)) < 1e-13);
     CHECK(std::abs(exponential(x) / std::exp(x) - 1.0) < 1e-13);
     CHECK(floor_of(x) == std::floor(x));
-    if (std::abs(std::cos(x)) > 1e-3) CHECK(std::abs(tangent(x) - std::tan(x)) < 1e-9 * (1.0 + std::abs(std::tan(x))));
+    if (std::abs(std::cos(x)) > 1e-3)
+      CHECK(std::abs(tangent(x) - std::tan(x)) < 1e-9 * (1.0 + std::abs(std::tan(x))));
   }
 }
 

@@ -10,7 +10,8 @@ TEST_CASE("a status names what, where and how much") {
   const Status s(StatusCode::kArenaTooSmall, "arena", 100, 4096);
   CHECK_FALSE(s.ok());
   const std::size_t n = s.describe(text);
-  CHECK(std::string(text) == "arena too small: 100 bytes given, 4096 needed. Ask Engine::required_arena() for the size.");
+  CHECK(std::string(text) ==
+        "arena too small: 100 bytes given, 4096 needed. Ask Engine::required_arena() for the size.");
   CHECK(n == std::string(text).size());
 }
 

@@ -1,0 +1,262 @@
+#include "egofocus/engine.hpp"
+
+#include <atomic>
+
+#include "core/arena.hpp"
+#include "core/clock.hpp"
+#include "core/inlets.hpp"
+#include "core/mailbox.hpp"
+#include "core/rt_thread.hpp"
+#include "core/snapshot.hpp"
+#include "core/worker_pool.hpp"
+#include "pipeline/check_config.hpp"
+#include "pipeline/pipeline.hpp"
+#include "pipeline/scheduler.hpp"
+
+namespace egofocus {
+namespace {
+
+constexpr int kMaxSources = 8;
+constexpr std::int64_t kPollTimeout_us = 10'000;
+constexpr std::int64_t kAheadLimit_us = 1'000'000;
+constexpr std::int64_t kLateTick_us = 1000;
+// A source that brings nothing this many times in a row under the virtual clock will not bring anything.
+constexpr int kIdlePolls = 100;
+
+struct AttachedSource {
+  Source source;
+  Delivery newest;
+  Inlets* inlets = nullptr;
+  const std::atomic<bool>* stopping = nullptr;
+  RtThread thread;
+};
+
+// A live source: polled on its own thread, each wait bounded.
+void poll_until_stopped(void* self) noexcept {
+  auto& attached = *static_cast<AttachedSource*>(self);
+  while (!attached.stopping->load(std::memory_order_relaxed) && !attached.newest.ended) {
+    attached.newest =
+        attached.source.poll(attached.source.self, *attached.inlets, INT64_MAX, kPollTimeout_us);
+  }
+}
+
+}  // namespace
+
+struct Engine::State {
+  State(const Config& c, Arena& arena) noexcept
+      : config(c),
+        kernels(select_kernels(detect_isa() & c.isa_mask)),
+        rings{SpscRing<Event>(arena.array<Event>(c.rings.events)),
+              SpscRing<ImuSample>(arena.array<ImuSample>(c.rings.imu)),
+              SpscRing<OdometrySample>(arena.array<OdometrySample>(c.rings.odometry)),
+              SpscRing<PoseSample>(arena.array<PoseSample>(c.rings.poses))},
+        inlets(rings),
+        pipeline(c, kernels, arena) {
+    config.filter.hot_pixels = {};
+    const Intrinsics grid = working_grid(c);
+    const auto pixels = static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px);
+    for (int i = 0; i < 3; ++i) {
+      frames.slots()[i].inverse_depth = arena.array<std::uint16_t>(pixels);
+      frames.slots()[i].confidence = arena.array<std::uint8_t>(pixels);
+    }
+  }
+
+  bool deliver_until(std::int64_t tick_us) noexcept;
+
+  Config config;
+  KernelTable kernels;
+  Inlets::Rings rings;
+  Inlets inlets;
+  Pipeline pipeline;
+  WorkerPool pool;
+  Mailbox<FrameSlot> frames;
+  Snapshot<Health> health;
+  Health counted;  // the tick thread's own copy
+  Scheduler scheduler;
+  Clock clock;
+  ClockKind clock_kind = ClockKind::kVirtual;
+  AttachedSource sources[kMaxSources];
+  int source_count = 0;
+  bool started = false;
+  std::atomic<bool> stopping{false};
+};
+
+Status Engine::required_arena(const Config& config, std::size_t& bytes_out) noexcept {
+  bytes_out = 0;
+  if (Status status = check_config(config); !status.ok()) return status;
+  Arena counter;
+  static_cast<void>(counter.array<std::byte>(sizeof(State)));
+  const State probe(config, counter);
+  bytes_out = counter.used_bytes();
+  return {};
+}
+
+Status Engine::configure(const Config& config, std::span<std::byte> block) noexcept {
+  if (state_ != nullptr) return {StatusCode::kBadState, "configure() twice; make another Engine"};
+  std::size_t needed = 0;
+  if (Status status = required_arena(config, needed); !status.ok()) return status;
+  if (block.size() < needed) {
+    return {StatusCode::kArenaTooSmall, "arena", static_cast<std::int64_t>(block.size()),
+            static_cast<std::int64_t>(needed)};
+  }
+  const auto address = reinterpret_cast<std::uintptr_t>(block.data());
+  if (address % Arena::kAlignment != 0) {
+    return {StatusCode::kArenaMisaligned, "arena", static_cast<std::int64_t>(address % Arena::kAlignment)};
+  }
+  Arena arena(block);
+  state_ = arena.object<State>(config, arena);
+  state_->pipeline.prepare(config);
+  return {};
+}
+
+Status Engine::attach(const Source& source) noexcept {
+  if (state_ == nullptr) return {StatusCode::kBadState, "attach() before configure()"};
+  if (state_->started) return {StatusCode::kBadState, "attach() after start()"};
+  if (source.poll == nullptr) return {StatusCode::kBadState, "attach() of a source without poll"};
+  if (state_->source_count == kMaxSources)
+    return {StatusCode::kTooManySources, "attach()", kMaxSources + 1, kMaxSources};
+  AttachedSource& attached = state_->sources[state_->source_count++];
+  attached.source = source;
+  attached.inlets = &state_->inlets;
+  attached.stopping = &state_->stopping;
+  return {};
+}
+
+Status Engine::start(ClockKind clock, std::int64_t first_tick_us) noexcept {
+  if (state_ == nullptr) return {StatusCode::kBadState, "start() before configure()"};
+  State& s = *state_;
+  if (s.started) return {StatusCode::kBadState, "start() twice"};
+  s.clock_kind = clock;
+  s.clock = monotonic_clock();
+  s.stopping.store(false, std::memory_order_relaxed);
+  s.scheduler.start(s.config.rate, first_tick_us);
+  const RealTimeConfig& rt = s.config.real_time;
+  if (rt.lock_memory) s.counted.refused |= lock_memory();
+  if (Status status = s.pool.start(s.config.threads, rt.fifo_priority, rt.cpu); !status.ok()) return status;
+  s.started = true;  // from here on stop() cleans up
+  for (int i = 0; i < s.source_count; ++i) {
+    AttachedSource& attached = s.sources[i];
+    attached.newest = {};
+    Status status;
+    if (attached.source.start != nullptr) status = attached.source.start(attached.source.self);
+    if (status.ok() && clock == ClockKind::kMonotonic) {
+      status = attached.thread.start({"egofocus-in", rt.fifo_priority, -1}, poll_until_stopped, &attached);
+    }
+    if (!status.ok()) {
+      stop();
+      return status;
+    }
+  }
+  // Last, so that no other thread inherits the priority and the pin of the tick.
+  s.counted.refused |= make_this_thread_real_time({"egofocus-tick", rt.fifo_priority, rt.cpu});
+  s.health.publish(s.counted);
+  return {};
+}
+
+// Virtual time: asks every source for all up to the tick, and empties the rings as they fill.
+// False when there is no source left that reaches the tick and nothing new came either.
+bool Engine::State::deliver_until(std::int64_t tick_us) noexcept {
+  std::uint64_t taken_in_all = pipeline.ingest(rings, tick_us, INT64_MAX);
+  bool all_ended = source_count > 0;
+  for (int idle = 0; idle < kIdlePolls;) {
+    bool waiting = false;
+    for (int i = 0; i < source_count; ++i) {
+      AttachedSource& attached = sources[i];
+      if (attached.newest.ended || attached.newest.watermark_us >= tick_us) continue;
+      attached.newest = attached.source.poll(attached.source.self, inlets, tick_us, 0);
+      waiting |= !attached.newest.ended && attached.newest.watermark_us < tick_us;
+    }
+    const std::uint64_t taken = pipeline.ingest(rings, tick_us, INT64_MAX);
+    taken_in_all += taken;
+    idle = taken > 0 ? 0 : idle + 1;
+    if (!waiting) break;
+  }
+  for (int i = 0; i < source_count; ++i) all_ended &= sources[i].newest.ended;
+  return !all_ended || taken_in_all > 0;
+}
+
+bool Engine::tick() noexcept {
+  State& s = *state_;
+  const std::int64_t tick_us = s.scheduler.tick_us();
+  std::int64_t late_us = 0;
+  if (s.clock_kind == ClockKind::kVirtual) {
+    if (!s.deliver_until(tick_us)) return false;
+  } else {
+    late_us = s.scheduler.wait(s.clock);
+    s.pipeline.ingest(s.rings, tick_us, kAheadLimit_us);
+  }
+  if (s.stopping.load(std::memory_order_relaxed)) return false;
+
+  FrameSlot& slot = s.frames.back();
+  s.pipeline.tick(tick_us, s.pool, slot);
+
+  slot.frame.sequence = s.scheduler.index();
+  if (s.clock_kind == ClockKind::kVirtual) {
+    s.scheduler.advance();
+  } else {
+    const std::int64_t now_us = s.clock.now_us(s.clock.self);
+    slot.frame.latency_us = now_us - tick_us;
+    if (late_us > kLateTick_us) {
+      slot.frame.flags |= kLateTick;
+      ++s.counted.ticks.late;
+    }
+    s.counted.ticks.skipped += s.scheduler.advance(now_us);
+  }
+  s.frames.publish();
+
+  s.pipeline.report(s.counted);
+  s.counted.events.in = s.rings.events.offered();
+  s.counted.events.ring_dropped = s.rings.events.dropped();
+  s.counted.imu.ring_dropped = s.rings.imu.dropped();
+  s.counted.odometry.ring_dropped = s.rings.odometry.dropped();
+  s.counted.poses.ring_dropped = s.rings.poses.dropped();
+  s.health.publish(s.counted);
+  return true;
+}
+
+bool Engine::newest(DepthFrame& frame_out) noexcept {
+  const FrameSlot* slot = state_ != nullptr ? state_->frames.newest() : nullptr;
+  if (slot == nullptr) return false;
+  frame_out = slot->frame;
+  return true;
+}
+
+std::int64_t Engine::next_tick_us() const noexcept {
+  return state_ != nullptr ? state_->scheduler.tick_us() : INT64_MIN;
+}
+Inlets Engine::inlets() noexcept {
+  return state_->inlets;
+}
+
+Health Engine::health() const noexcept {
+  Health health;
+  if (state_ != nullptr) static_cast<void>(state_->health.read(health));
+  return health;
+}
+
+const char* Engine::isa() const noexcept {
+  return state_ != nullptr ? isa_name(state_->kernels.warp_vote.isa) : "";
+}
+
+void Engine::request_stop() noexcept {
+  if (state_ != nullptr) state_->stopping.store(true, std::memory_order_relaxed);
+}
+
+void Engine::stop() noexcept {
+  if (state_ == nullptr || !state_->started) return;
+  State& s = *state_;
+  s.stopping.store(true, std::memory_order_relaxed);
+  for (int i = 0; i < s.source_count; ++i) {
+    s.sources[i].thread.join();
+    if (s.sources[i].source.stop != nullptr) s.sources[i].source.stop(s.sources[i].source.self);
+  }
+  s.pool.stop();
+  s.started = false;
+}
+
+Engine::~Engine() {
+  stop();
+  if (state_ != nullptr) state_->~State();
+}
+
+}  // namespace egofocus

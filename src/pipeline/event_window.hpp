@@ -1,0 +1,61 @@
+// The newest kept events, oldest first, and the choice of those that a tick warps.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/arena.hpp"
+#include "egofocus/config.hpp"
+#include "egofocus/status.hpp"
+
+namespace egofocus {
+
+/// An event as the window keeps it: 8 bytes. Time is taken modulo 2^32 us, far more than a window is long.
+struct WindowEvent {
+  std::uint32_t t_low_us = 0;
+  std::uint16_t x = 0;
+  std::uint16_t y = 0;
+};
+
+class EventWindow {
+ public:
+  static Status check(const WindowConfig& config) noexcept;
+
+  /// Holds 4 * max_events; when more come within max_age_us the oldest are overwritten.
+  EventWindow(const WindowConfig& config, Arena& arena) noexcept;
+
+  /// Times never go back (the filter sees to it). Thread: the tick. RT: yes.
+  void add(const Event& event) noexcept;
+
+  /// Events of one tick: those with begin_us <= t <= end_us, evenly decimated when there are more than
+  /// max_events (event floor(i * in_window / count) for i < count: evenly spread, and the same each time).
+  struct Selection {
+    std::uint64_t first = 0;  ///< number of the oldest event, counted since the start
+    std::uint64_t in_window = 0;
+    std::uint32_t count = 0;  ///< of those selected, <= max_events
+  };
+  [[nodiscard]] Selection select(std::int64_t begin_us, std::int64_t end_us) const noexcept;
+
+  /// i-th event of a selection, i < count. Thread: any between two add(). RT: yes.
+  [[nodiscard]] const WindowEvent& at(const Selection& s, std::uint32_t i) const noexcept {
+    const std::uint64_t offset = s.in_window == s.count ? i : i * s.in_window / s.count;
+    return events_[static_cast<std::size_t>((s.first + offset) % events_.size())];
+  }
+
+  /// How long before end_us an event lies. Thread: any. RT: yes.
+  static std::uint32_t age_us(const WindowEvent& event, std::int64_t end_us) noexcept {
+    return static_cast<std::uint32_t>(end_us) - event.t_low_us;
+  }
+
+  /// Time of the newest event; INT64_MIN before the first. Thread: the tick.
+  [[nodiscard]] std::int64_t newest_us() const noexcept { return newest_us_; }
+
+ private:
+  std::uint32_t max_events_;
+  std::int64_t max_age_us_;
+  std::span<WindowEvent> events_;
+  std::uint64_t added_ = 0;
+  std::int64_t newest_us_ = INT64_MIN;
+};
+
+}  // namespace egofocus

@@ -1,0 +1,210 @@
+#include "pipeline/pipeline.hpp"
+
+namespace egofocus {
+
+Pipeline::Pipeline(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
+    : config_(config),
+      grid_(working_grid(config)),
+      filter_(config, arena),
+      window_(config.window, arena),
+      ego_motion_(arena.object<EgoMotion>(config.motion)),
+      track_(arena.object<MotionTrack>()),
+      warp_(config, kernels, arena),
+      focus_(config, config.threads, arena),
+      depth_decode_(grid_, arena) {
+  config_.filter.hot_pixels = {};  // the caller's memory is not ours after set-up
+}
+
+void Pipeline::prepare(const Config& config) noexcept {
+  warp_.prepare(config.camera);
+}
+
+// --- the algorithm
+// --------------------------------------------------------------------------------------------------
+
+void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noexcept {
+  DepthFrame& frame = out.frame;
+  frame = {};
+  frame.t_us = tick_us;
+  frame.grid = grid_;
+  frame.inverse_depth = out.inverse_depth;
+  frame.confidence = out.confidence;
+
+  // 1. How the camera moved, as far back as a window may reach.
+  ego_motion_->advance(tick_us);
+  const std::int64_t known_from_us = ego_motion_->earliest_us();
+  std::int64_t oldest_us = tick_us - config_.window.max_age_us;
+  count_outside_motion(oldest_us, known_from_us, tick_us);
+  if (oldest_us < known_from_us) oldest_us = known_from_us;
+  const bool has_motion = oldest_us < tick_us && ego_motion_->track(oldest_us, tick_us, *track_);
+
+  // 2. The hypotheses that this motion can tell apart, and the window that they need.
+  HypothesisLadder ladder;
+  EventWindow::Selection selection;
+  if (!has_motion) {
+    frame.flags |= kNoMotion;
+  } else {
+    const CameraMotion motion = ego_motion_->at_end(tick_us);
+    for (int i = 0; i < 3; ++i) {
+      frame.velocity_m_s[i] = motion.velocity_m_s[i];
+      frame.angular_rate_rad_s[i] = motion.angular_rate_rad_s[i];
+    }
+    frame.velocity_sigma_m_s = speed_sigma_m_s(motion);
+    if (tick_us - ego_motion_->newest_us() > config_.motion.stale_after_us) frame.flags |= kStaleVelocity;
+    ladder = choose_ladder(config_.ladder, grid_, *track_);
+    if (!ladder.has_parallax) frame.flags |= kNoParallax;
+    selection = window_.select(ladder.begin_us, tick_us);
+  }
+  frame.events = selection.count;
+  if (has_motion && selection.count < static_cast<std::uint32_t>(config_.window.min_events))
+    frame.flags |= kTooFewEvents;
+  window_counters_.decimated += selection.in_window - selection.count;
+  if (ring_dropped_ != dropped_before_ || selection.in_window != selection.count) frame.flags |= kOverload;
+  dropped_before_ = ring_dropped_;
+
+  // 3. Events -> stack of warped images -> focus -> depth.
+  const bool has_depth = has_motion && ladder.has_parallax && selection.count > 0 &&
+                         ego_motion_->track(ladder.begin_us, tick_us, *track_);
+  if (has_depth) {
+    struct Step {
+      Pipeline& self;
+      const EventWindow::Selection& selection;
+      const HypothesisLadder& ladder;
+    } step{*this, selection, ladder};
+    pool.run(
+        [](void* context, int part, int parts) noexcept {
+          auto& s = *static_cast<Step*>(context);
+          s.self.warp_.project(s.self.window_, s.selection, *s.self.track_, s.ladder, part, parts);
+        },
+        &step);
+    pool.run([](void* context, int part,
+                int parts) noexcept { static_cast<Step*>(context)->self.warp_.vote(part, parts); },
+             &step);
+    const CellDepth cells = focus_.run(warp_, pool);
+    depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
+    frame.votes = warp_.votes();
+    frame.inverse_depth_scale_per_m = ladder.step_per_m / 256.0;
+    frame.parallax_px = ladder.parallax_px;
+    window_counters_.behind_camera += warp_.behind_camera();
+    last_depth_event_us_ = window_.newest_us();
+  } else {
+    blank(out);
+  }
+  frame.age_us = last_depth_event_us_ == INT64_MIN ? INT64_MAX : tick_us - last_depth_event_us_;
+  conclude(frame.flags);
+  last_tick_us_ = tick_us;
+}
+
+// --- in and out
+// -------------------------------------------------------------------------------------------------------
+
+std::uint64_t Pipeline::ingest_events(SpscRing<Event>& ring, std::int64_t tick_us,
+                                      std::int64_t ahead_us) noexcept {
+  std::uint64_t taken = 0;
+  EventCounters& counters = filter_.counters();
+  for (;;) {
+    const std::span<const Event> ready = ring.peek(1024);
+    std::size_t n = 0;
+    for (; n < ready.size(); ++n) {
+      const Event& event = ready[n];
+      if (event.t_us > tick_us) {
+        if (event.t_us - tick_us <= ahead_us) break;
+        ++counters.ahead;
+      } else if (event.t_us <= last_tick_us_) {
+        ++counters.late;
+      } else if (filter_.keep(event)) {
+        window_.add(event);
+      }
+    }
+    ring.release(n);
+    taken += n;
+    if (n == 0 || n < ready.size()) return taken;
+  }
+}
+
+std::uint64_t Pipeline::ingest(Inlets::Rings& rings, std::int64_t tick_us, std::int64_t ahead_us) noexcept {
+  ring_dropped_ = rings.events.dropped();
+  std::uint64_t taken = ingest_events(rings.events, tick_us, ahead_us);
+  const auto drain = [&](auto& ring) {
+    for (;;) {
+      const auto ready = ring.peek(64);
+      std::size_t n = 0;
+      // The ego-motion sorts; what is newer than the tick waits in the ring, so that nothing depends on
+      // arrival.
+      const auto due = [&](std::int64_t t_us) { return t_us <= tick_us || t_us - tick_us > ahead_us; };
+      while (n < ready.size() && due(ready[n].t_us)) ego_motion_->add(ready[n++]);
+      ring.release(n);
+      taken += n;
+      if (n == 0 || n < ready.size()) return;
+    }
+  };
+  drain(rings.imu);
+  drain(rings.odometry);
+  drain(rings.poses);
+  return taken;
+}
+
+void Pipeline::count_outside_motion(std::int64_t oldest_us, std::int64_t known_from_us,
+                                    std::int64_t tick_us) noexcept {
+  if (known_from_us <= oldest_us) return;
+  const EventWindow::Selection all = window_.select(oldest_us, tick_us);
+  const EventWindow::Selection inside = window_.select(known_from_us, tick_us);
+  const std::uint64_t from = all.first > outside_until_ ? all.first : outside_until_;
+  const std::uint64_t until = all.first + all.in_window - inside.in_window;
+  if (until > from) {
+    window_counters_.outside_motion += until - from;
+    outside_until_ = until;
+  }
+}
+
+void Pipeline::blank(FrameSlot& out) noexcept {
+  for (std::uint16_t& v : out.inverse_depth) v = 0;
+  for (std::uint8_t& v : out.confidence) v = 0;
+}
+
+void Pipeline::conclude(std::uint32_t flags) noexcept {
+  ++tick_counters_.run;
+  if (flags & kNoParallax) ++tick_counters_.no_parallax;
+  if (flags & kTooFewEvents) ++tick_counters_.too_few_events;
+  if (flags & kStaleVelocity) ++tick_counters_.stale_velocity;
+  if (flags & kNoMotion) ++tick_counters_.no_motion;
+  const bool any_event = filter_.counters().kept > 0;
+  if (!any_event) {
+    state_ = RunState::kWaiting;
+    cause_ = Cause::kNoEvents;
+  } else if (flags & kNoMotion) {
+    state_ = RunState::kStalled;
+    cause_ = Cause::kNoMotion;
+  } else if (flags & kNoParallax) {
+    state_ = RunState::kStalled;
+    cause_ = Cause::kNoParallax;
+  } else if (flags & kStaleVelocity) {
+    state_ = RunState::kDegraded;
+    cause_ = Cause::kStaleVelocity;
+  } else if (flags & kTooFewEvents) {
+    state_ = RunState::kDegraded;
+    cause_ = Cause::kTooFewEvents;
+  } else if (flags & kOverload) {
+    state_ = RunState::kDegraded;
+    cause_ = Cause::kOverload;
+  } else {
+    state_ = RunState::kRunning;
+    cause_ = Cause::kNone;
+  }
+}
+
+void Pipeline::report(Health& health) const noexcept {
+  health.state = state_;
+  health.cause = cause_;
+  health.events = filter_.counters();
+  health.imu = ego_motion_->imu_counters();
+  health.odometry = ego_motion_->odometry_counters();
+  health.poses = ego_motion_->pose_counters();
+  health.window = window_counters_;
+  const TickCounters scheduled = health.ticks;
+  health.ticks = tick_counters_;
+  health.ticks.late = scheduled.late;
+  health.ticks.skipped = scheduled.skipped;
+}
+
+}  // namespace egofocus

@@ -1,0 +1,76 @@
+// One tick, step by step. pipeline.cpp's tick() is the algorithm on one screen.
+#pragma once
+
+#include <cstdint>
+
+#include "core/arena.hpp"
+#include "core/inlets.hpp"
+#include "core/worker_pool.hpp"
+#include "egofocus/config.hpp"
+#include "egofocus/health.hpp"
+#include "kernels/kernel_table.hpp"
+#include "pipeline/depth_decode.hpp"
+#include "pipeline/ego_motion.hpp"
+#include "pipeline/event_filter.hpp"
+#include "pipeline/event_window.hpp"
+#include "pipeline/focus.hpp"
+#include "pipeline/hypothesis_ladder.hpp"
+#include "pipeline/warp.hpp"
+
+namespace egofocus {
+
+/// Where a tick writes: a frame whose spans view the two arrays.
+struct FrameSlot {
+  DepthFrame frame;
+  std::span<std::uint16_t> inverse_depth;
+  std::span<std::uint8_t> confidence;
+};
+
+/// Thread: the tick's. RT: yes, but the constructor and prepare().
+class Pipeline {
+ public:
+  Pipeline(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
+  void prepare(const Config& config) noexcept;
+
+  /// Takes from the rings what has t <= tick_us; what is newer stays there. Events more than `ahead_us` newer
+  /// than the tick are counted and dropped, or they would block the ring. Returns the number of samples
+  /// taken.
+  std::uint64_t ingest(Inlets::Rings& rings, std::int64_t tick_us, std::int64_t ahead_us) noexcept;
+
+  /// Window -> ego-motion -> warp -> focus -> depth. Fills all of `out` but latency and sequence.
+  void tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noexcept;
+
+  /// Counters of everything behind the rings, and the state after the last tick.
+  void report(Health& health) const noexcept;
+
+  [[nodiscard]] std::int64_t newest_event_us() const noexcept { return window_.newest_us(); }
+
+ private:
+  std::uint64_t ingest_events(SpscRing<Event>& ring, std::int64_t tick_us, std::int64_t ahead_us) noexcept;
+  void count_outside_motion(std::int64_t oldest_us, std::int64_t known_from_us,
+                            std::int64_t tick_us) noexcept;
+  void blank(FrameSlot& out) noexcept;
+  void conclude(std::uint32_t flags) noexcept;
+
+  Config config_;
+  Intrinsics grid_;
+  EventFilter filter_;
+  EventWindow window_;
+  EgoMotion* ego_motion_;  // large: in the arena
+  MotionTrack* track_;
+  Warp warp_;
+  Focus focus_;
+  DepthDecode depth_decode_;
+
+  std::int64_t last_tick_us_ = INT64_MIN;
+  std::int64_t last_depth_event_us_ = INT64_MIN;
+  std::uint64_t dropped_before_ = 0;
+  std::uint64_t ring_dropped_ = 0;
+  std::uint64_t outside_until_ = 0;  // events up to this number are already counted as outside the motion
+  WindowCounters window_counters_;
+  TickCounters tick_counters_;
+  RunState state_ = RunState::kWaiting;
+  Cause cause_ = Cause::kNone;
+};
+
+}  // namespace egofocus

@@ -1,0 +1,45 @@
+// The fixed-rate grid of ticks. Tick k is about t_k = t_0 + k * period and runs at t_k + lateness. The period
+// is added to the grid, never to the time at which a tick happened to end: no drift. A tick that comes too
+// late takes the next grid point that is not yet due; the points between are counted as skipped, never made
+// up for in a burst.
+#pragma once
+
+#include <cstdint>
+
+#include "core/clock.hpp"
+#include "egofocus/config.hpp"
+#include "egofocus/status.hpp"
+
+namespace egofocus {
+
+class Scheduler {
+ public:
+  static Status check(const RateConfig& config) noexcept;
+
+  /// Periods that are no whole number of microseconds are kept exactly: t_k = t_0 + floor(k * 10^6 / rate).
+  void start(const RateConfig& config, std::int64_t first_tick_us) noexcept;
+
+  [[nodiscard]] std::int64_t tick_us() const noexcept { return at(index_); }
+  [[nodiscard]] std::int64_t deadline_us() const noexcept { return tick_us() + lateness_us_; }
+  [[nodiscard]] std::uint64_t index() const noexcept { return index_; }
+
+  /// Sleeps to the deadline. Returns how long after it the clock stands then.
+  std::int64_t wait(const Clock& clock) noexcept;
+
+  /// After the tick's work: moves to the next grid point whose deadline is not before `now_us`. Returns the
+  /// number of points passed over.
+  std::uint64_t advance(std::int64_t now_us) noexcept;
+
+  /// Virtual time: the next grid point, none is ever skipped.
+  void advance() noexcept { ++index_; }
+
+ private:
+  [[nodiscard]] std::int64_t at(std::uint64_t index) const noexcept;
+
+  std::int64_t first_us_ = 0;
+  std::int64_t period_ns_ = 50'000'000;
+  std::int64_t lateness_us_ = 0;
+  std::uint64_t index_ = 0;
+};
+
+}  // namespace egofocus

@@ -1,0 +1,88 @@
+// Events under D depth hypotheses: the exact rigid form of METHOD section 1. An event's landing point is
+// affine in inverse depth, so one add per hypothesis suffices:
+//   r = R (x, y, 1),  u_k = f r_x / r_z + c_u + k du,  du = step f (c_x - c_z r_x / r_z),  v_k likewise.
+// The projection is IEEE doubles, once per event; what follows is integers (Q16 positions, u8 counts).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/arena.hpp"
+#include "egofocus/config.hpp"
+#include "kernels/kernel_table.hpp"
+#include "pipeline/event_window.hpp"
+#include "pipeline/hypothesis_ladder.hpp"
+#include "pipeline/motion_track.hpp"
+#include "pipeline/working_grid.hpp"
+
+namespace egofocus {
+
+/// Landing lines of the selected events, structure of arrays; see kernels/warp_vote.hpp for the fields.
+struct LandingLines {
+  std::span<std::int32_t> u_q16;
+  std::span<std::int32_t> v_q16;
+  std::span<std::int32_t> du_q16;
+  std::span<std::int32_t> dv_q16;
+  std::span<std::uint8_t> k_end;
+  std::span<std::uint8_t> time_u8;  ///< 0 at the window's begin, 255 at its end
+  std::int32_t count = 0;
+};
+
+/// One event's line. Pure; the meaning of the whole file. `hypotheses` without a vote have k >= k_end.
+struct LandingLine {
+  std::int32_t u_q16 = 0;
+  std::int32_t v_q16 = 0;
+  std::int32_t du_q16 = 0;
+  std::int32_t dv_q16 = 0;
+  std::int32_t k_end = 0;
+};
+LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
+                         std::int32_t hypotheses) noexcept;
+
+class Warp {
+ public:
+  static constexpr int kMaxParts = 8;
+
+  /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event) and the stack (1 byte per
+  /// hypothesis and grid pixel) from the arena.
+  Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
+
+  /// Fills the ray table. RT: no (set-up).
+  void prepare(const CameraModel& camera) noexcept;
+
+  /// Projects part `part` of `parts` of the selected events. Parts may run at once. RT: yes.
+  void project(const EventWindow& window, const EventWindow::Selection& selection, const MotionTrack& track,
+               const HypothesisLadder& ladder, int part, int parts) noexcept;
+
+  /// Clears and votes the hypotheses of part `part`, after all parts of project(). Parts may run at once. RT:
+  /// yes.
+  void vote(int part, int parts) noexcept;
+
+  [[nodiscard]] std::uint64_t votes() const noexcept;
+  [[nodiscard]] std::uint64_t behind_camera() const noexcept;
+  [[nodiscard]] const LandingLines& lines() const noexcept { return lines_; }
+  /// Counts of hypothesis k: [height][width], rows without padding.
+  [[nodiscard]] std::span<const std::uint8_t> plane(std::int32_t k) const noexcept {
+    return stack_.subspan(static_cast<std::size_t>(k) * pixels_, pixels_);
+  }
+  [[nodiscard]] std::int32_t hypotheses() const noexcept { return hypotheses_; }
+
+ private:
+  struct alignas(kCacheLine) PartCount {
+    std::uint64_t votes = 0;
+    std::uint64_t behind_camera = 0;
+  };
+
+  Intrinsics grid_;
+  std::int32_t sensor_width_;
+  std::int32_t hypotheses_;
+  std::size_t pixels_;
+  WarpVoteFunction* vote_;
+  std::span<Ray> rays_;
+  LandingLines lines_;
+  std::span<std::uint8_t> stack_;
+  PartCount counts_[kMaxParts];
+  int parts_ = 1;
+};
+
+}  // namespace egofocus
