@@ -13,19 +13,18 @@
 
 namespace egofocus {
 
-inline constexpr std::int32_t kVoteGroup = 4;  ///< hypotheses of a group
-inline constexpr std::int32_t kVoteLane = 16;  ///< events per find_runs, columns per fold: multiples of this
-inline constexpr std::int32_t kVoteBlock =
-    256;  ///< events whose runs are kept at once: 4 KiB of the first cache
+constexpr std::int32_t kVoteGroup = 4;    ///< hypotheses of a group
+constexpr std::int32_t kVoteLane = 16;    ///< events per find_runs, columns per fold: multiples of this
+constexpr std::int32_t kVoteBlock = 256;  ///< events whose runs are kept at once: 4 KiB of the first cache
 
 /// A run: (row * width + column) << 4 | hypotheses of the group, one bit each. Negative: no cell.
-inline constexpr std::int32_t kNoCell = -16;
+constexpr std::int32_t kNoCell = -16;
 
 /// Room for the runs of a block, and for whole vectors stored past the last of them.
-inline constexpr std::int32_t kRunRoom = kVoteBlock * kVoteGroup + kVoteLane;
+constexpr std::int32_t kRunRoom = kVoteBlock * kVoteGroup + kVoteLane;
 
-/// Byte h of entry m counts hypothesis h of the run's bits m. Not `inline`: each object has its own, and
-/// exports no weak symbol.
+/// Not inline, as all constants here: an ISA object must define no weak symbol. Byte h of entry m counts
+/// hypothesis h of the run's bits m.
 constexpr std::uint32_t kRunCounts[16] = {
     0x00000000, 0x00000001, 0x00000100, 0x00000101, 0x00010000, 0x00010001, 0x00010100, 0x00010101,
     0x01000000, 0x01000001, 0x01000100, 0x01000101, 0x01010000, 0x01010001, 0x01010100, 0x01010101};
