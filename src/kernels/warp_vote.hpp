@@ -13,11 +13,13 @@ namespace egofocus {
 ///
 /// Ranges (the caller's duty; nothing overflows then): |u|, |v|, |u + 63 du|, |v + 63 dv| < 2^30, thus
 /// positions within 16384 px and slopes within 2^31 / 63; 0 <= k_begin, 0 <= k_count, k_begin + k_count <=
-/// 64; 0 <= width, height <= 16384; width <= row_stride < 32768; height * row_stride <= plane_stride. An
-/// event whose trajectory leaves these ranges is left out by the caller with k_end[i] = 0 and zero operands.
+/// 64; 0 <= width, height <= 16384; width * height <= 2^26; width <= row_stride; height * row_stride <=
+/// plane_stride. An event whose trajectory leaves these ranges is left out by the caller with k_end[i] = 0
+/// and zero operands. Scratch: one u32 per grid cell, all zero at the call and left all zero; one per thread,
+/// reused by all its calls. Without it (null) every variant runs the scalar loop: the same bytes, slowly.
 /// Alignment: that of the element types. Over-read, over-write: none, and padding bytes of rows and planes
-/// are left alone. Aliasing: the stack overlaps no operand. The stack is added to: clear it first where it is
-/// new.
+/// are left alone. Aliasing: stack and scratch overlap nothing. The stack is added to: clear it first where
+/// it is new.
 struct WarpVote {
   const std::int32_t* u_q16 = nullptr;   ///< [n] column at hypothesis 0, grid px
   const std::int32_t* v_q16 = nullptr;   ///< [n] row at hypothesis 0, grid px
@@ -28,15 +30,16 @@ struct WarpVote {
   std::int32_t n = 0;
   std::int32_t k_begin = 0;
   std::int32_t k_count = 0;
-  std::int32_t width = 0;         ///< px
-  std::int32_t height = 0;        ///< px
-  std::int32_t row_stride = 0;    ///< bytes
-  std::int64_t plane_stride = 0;  ///< bytes
-  std::uint8_t* stack = nullptr;  ///< [k_count][height][width]: plane 0 is hypothesis k_begin
+  std::int32_t width = 0;            ///< px
+  std::int32_t height = 0;           ///< px
+  std::int32_t row_stride = 0;       ///< bytes
+  std::int64_t plane_stride = 0;     ///< bytes
+  std::uint8_t* stack = nullptr;     ///< [k_count][height][width]: plane 0 is hypothesis k_begin
+  std::uint32_t* scratch = nullptr;  ///< [height][width], dense; see above
 };
 
 /// Returns the number of votes that landed inside the grid (saturated ones included).
-/// Thread: any; calls that write different planes may run at once. RT: yes, O(n * k_count).
+/// Thread: any; calls with different planes and scratch may run at once. RT: yes, O(n * k_count).
 using WarpVoteFunction = std::int64_t(const WarpVote& vote) noexcept;
 
 #define EGOFOCUS_WARP_VOTE(suffix, isa) WarpVoteFunction warp_vote_u8_##suffix;

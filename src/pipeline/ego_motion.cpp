@@ -146,13 +146,13 @@ void EgoMotion::advance(std::int64_t t_us) noexcept {
 void EgoMotion::use(const ImuSample& sample) noexcept {
   ++imu_counters_.used;
   filter_.use(sample);
-  remember();
+  remember(sample.t_us, sample.has_gyro);
 }
 
 void EgoMotion::use(const OdometrySample& sample) noexcept {
   ++odometry_counters_.used;
   if (!filter_.use(sample)) ++odometry_counters_.rejected;
-  remember();
+  remember(sample.t_us, false);
 }
 
 void EgoMotion::use(const PoseSample& sample) noexcept {
@@ -160,12 +160,15 @@ void EgoMotion::use(const PoseSample& sample) noexcept {
   if (!pose_history_.add(sample)) ++pose_counters_.rejected;
 }
 
-void EgoMotion::remember() noexcept {
-  if (filter_.ready()) {
-    history_.add(filter_.camera_motion());
-  } else {
+/// The rate is known at the gyro's times: entries in between would hold it back. What odometry brought shows
+/// up at the next gyro sample; only without a gyro at once.
+void EgoMotion::remember(std::int64_t t_us, bool new_rate) noexcept {
+  if (!filter_.ready()) {
     history_.clear();
+    return;
   }
+  used_us_ = t_us;
+  if (new_rate || !filter_.has_gyro()) history_.add(filter_.camera_motion());
 }
 
 std::int64_t EgoMotion::earliest_us() const noexcept {
@@ -175,7 +178,7 @@ std::int64_t EgoMotion::earliest_us() const noexcept {
 
 std::int64_t EgoMotion::newest_us() const noexcept {
   if (config_.source == MotionSource::kPoses) return pose_history_.newest_us();
-  return history_.empty() ? INT64_MIN : history_.newest_us();
+  return history_.empty() ? INT64_MIN : used_us_;
 }
 
 bool EgoMotion::known(std::int64_t begin_us, std::int64_t end_us) const noexcept {

@@ -75,7 +75,7 @@ class EgoMotion {
   void use(const ImuSample& sample) noexcept;
   void use(const OdometrySample& sample) noexcept;
   void use(const PoseSample& sample) noexcept;
-  void remember() noexcept;
+  void remember(std::int64_t t_us, bool new_rate) noexcept;
   template <typename Sample>
   void wait(const Sample& sample, bool plausible, SortBuffer<Sample, kPending>& pending,
             SampleCounters& counters) noexcept;
@@ -90,6 +90,7 @@ class EgoMotion {
   SampleCounters pose_counters_;
   VelocityFilter filter_;
   MotionHistory history_;
+  std::int64_t used_us_ = INT64_MIN;  // the newest sample that history_ rests on
   PoseHistory pose_history_;
 };
 

@@ -2,8 +2,8 @@
 // own: Eigen is templates, so every program that uses it carries weak copies, and the linker keeps one of
 // them for all. A user's vectorised copy in place of ours would change the bits (a test runs `nm`).
 //
-// Products with a dimension of 8 or more must be written a.lazyProduct(b): the plain * would choose a blocked
-// kernel whose order of summation depends on the target.
+// Use it for 3x3 and blocks. The product of two matrices of 8 or more rows would choose a blocked kernel
+// whose order of summation depends on the target: write such loops out.
 #pragma once
 
 #ifdef EIGEN_CORE_H

@@ -211,12 +211,13 @@ bool Engine::tick() noexcept {
   s.pipeline.report(s.counted);
   s.counted.events.in = s.rings.events.offered();
   s.counted.events.ring_dropped = s.rings.events.dropped();
-  s.counted.imu.in = s.rings.imu.offered();
-  s.counted.imu.ring_dropped = s.rings.imu.dropped();
-  s.counted.odometry.in = s.rings.odometry.offered();
-  s.counted.odometry.ring_dropped = s.rings.odometry.dropped();
-  s.counted.poses.in = s.rings.poses.offered();
-  s.counted.poses.ring_dropped = s.rings.poses.dropped();
+  const auto count_ring = [](SampleCounters& counters, const auto& ring) {
+    counters.in = ring.offered();
+    counters.ring_dropped = ring.dropped();
+  };
+  count_ring(s.counted.imu, s.rings.imu);
+  count_ring(s.counted.odometry, s.rings.odometry);
+  count_ring(s.counted.poses, s.rings.poses);
   s.health.publish(s.counted);
   return true;
 }

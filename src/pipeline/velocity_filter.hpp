@@ -1,69 +1,118 @@
-// Velocity, gravity, gyro bias and wheel scale from inertial samples and odometry: an error-state Kalman
+// Velocity, gravity, sensor biases and wheel scale from inertial samples and odometry: an error-state Kalman
 // filter.
 //
 // All states live in the body frame, so no attitude is needed and every error is a plain vector:
-//   v  velocity of the body origin                         v' = f - g - omega x v      (f: specific force,
-//   accelerometer) g  specific force at rest: gravity, pointing up        g' = -omega x g b  gyro bias omega
-//   = gyro - b,  b' = noise s  wheel scale error                                   wheel speed = (1 + s) v_x
-// g is free in length as well: a constant accelerometer bias goes into it.
+//   v  velocity of the body origin                   v' = f - g - omega x v      (f: specific force,
+//   accelerometer) g  specific force at rest: gravity, pointing up  g' = -omega x g b  gyro bias omega = gyro
+//   - b, b' = noise s  wheel scale error                             wheel speed = (1 + s) v_x
+// A robot that never tilts cannot tell a from g; their sum is what counts, and the covariance knows.
 //
-// What is missing:
-//   no accelerometer   velocity follows the measurements; between them it wanders as kUnknownAccel says
-//   no gyro            the rate is taken as zero with the uncertainty kUnknownRate; motion is then
-//   translation only no odometry        nothing is known (ready() is false), however good the IMU kFree with
-//   wheel speed only   sideways and vertical speed are not measured: the covariance says so
+// Measurements: wheel speed (v_x and s) or body velocity (v); kWheeled: v_y = v_z = 0 at kLateralEvery_us;
+// and at standstill, when gyro, accelerometer and odometry are all quiet: v = 0 and gyro = b. (A turn that is
+// slow, perfectly even and on the spot looks like a bias until the bias is known; afterwards the gate refuses
+// it.)
+//
+// The yaw bias of a kWheeled robot shows at standstill and when speed changes; at a constant speed it looks
+// like a roll (b_z v = g_y), and the covariance says so.
+//
+// What may be missing:
+//   no accelerometer   velocity keeps its direction in the body and wanders as kUnknownAccel says
+//   no gyro            the rate is zero, with the uncertainty kUnknownRate: motion is translation only
+//   no odometry        nothing is known (ready() is false), however good the IMU
+//   kFree with wheel speed only   sideways and vertical speed are not measured: the covariance says so
 #pragma once
 
 #include <cstdint>
 
 #include "egofocus/config.hpp"
 #include "egofocus/types.hpp"
+#include "pipeline/covariance.hpp"
 #include "pipeline/eigen.hpp"
 #include "pipeline/motion_track.hpp"
+#include "pipeline/standstill.hpp"
 
 namespace egofocus {
 
 /// Thread: one. RT: yes, O(1) per sample.
 class VelocityFilter {
  public:
-  static constexpr int kStates = 10;
-  using Covariance = egofocus_eigen::Matrix<double, kStates, kStates>;
+  /// First state of each part.
+  static constexpr int kVelocity = 0;
+  static constexpr int kGravity = 3;
+  static constexpr int kGyroBias = 6;
+  static constexpr int kAccelBias = 9;
+  static constexpr int kScale = 12;
+
+  static constexpr std::int64_t kHold_us = 100000;  ///< a gyro or accelerometer silent for longer is missing
+  static constexpr std::int64_t kRestart_us =
+      500000;  ///< no sample at all for longer: velocity starts afresh
+  static constexpr std::int64_t kSilence_us =
+      3000000;                                       ///< no odometry for longer: velocity is no longer known
+  static constexpr std::int64_t kLost_us = 1000000;  ///< odometry rejected for longer: velocity starts afresh
 
   /// Precondition: EgoMotion::check(config) is ok.
   explicit VelocityFilter(const MotionConfig& config) noexcept;
 
   /// Samples must come in order of time, finite and plausible.
   void use(const ImuSample& sample) noexcept;
-  /// False: the innovation gate rejected it. After kLostAfter_us of nothing but rejections the velocity
-  /// starts afresh.
+  /// False: the innovation gate rejected it.
   bool use(const OdometrySample& sample) noexcept;
 
-  /// Velocity is known: there was an odometry sample, and no silence of kSilence_us since.
+  /// Velocity is known.
   [[nodiscard]] bool ready() const noexcept { return ready_; }
+  /// The gyro speaks.
+  [[nodiscard]] bool has_gyro() const noexcept { return t_us_ - gyro_.t_us <= kHold_us; }
   /// At the newest sample, in the camera frame.
   [[nodiscard]] CameraMotion camera_motion() const noexcept;
 
   [[nodiscard]] const Vec3& velocity_m_s() const noexcept { return velocity_; }
   [[nodiscard]] const Vec3& gravity_m_s2() const noexcept { return gravity_; }
-  [[nodiscard]] const Vec3& gyro_bias_rad_s() const noexcept { return bias_; }
+  [[nodiscard]] const Vec3& gyro_bias_rad_s() const noexcept { return gyro_bias_; }
   [[nodiscard]] double wheel_scale() const noexcept { return scale_; }
-  [[nodiscard]] bool standing() const noexcept { return standing_; }
-  /// Order: velocity, gravity, bias, scale.
+  [[nodiscard]] bool standing() const noexcept { return standstill_.standing(); }
   [[nodiscard]] const Covariance& covariance() const noexcept { return covariance_; }
 
  private:
+  /// The last sample of one sensor.
+  struct Reading {
+    Vec3 value = Vec3::Zero();
+    std::int64_t t_us = INT64_MIN / 2;
+    double period_s = 0;
+  };
+  enum class Outlier { kReject, kWeaken };
+
+  [[nodiscard]] bool has_accel() const noexcept { return t_us_ - accel_.t_us <= kHold_us; }
+  static Vec3 renew(Reading& reading, const double (&value)[3], std::int64_t t_us) noexcept;
+  void move_to(std::int64_t t_us, const Vec3& gyro, const Vec3& accel) noexcept;
+  void start_gravity() noexcept;
+  void start_velocity(const OdometrySample& sample) noexcept;
+  bool measure_wheel(const OdometrySample& sample) noexcept;
+  bool measure_body(const OdometrySample& sample) noexcept;
+  void measure_standstill() noexcept;
+  [[nodiscard]] bool fits(const Row& h, double residual, double variance) const noexcept;
+  void update(const Row& h, double residual, double variance) noexcept;
+  void correct(int state, double value, double sigma, Outlier outlier) noexcept;
+
   MotionConfig config_;
   Mat3 camera_from_body_;
   Vec3 lever_arm_;
-  std::int64_t t_us_ = INT64_MIN;
+  Standstill standstill_;
+
+  std::int64_t t_us_ = INT64_MIN / 2;
+  Reading gyro_;
+  Reading accel_;
+  std::int64_t odometry_us_ = INT64_MIN / 2;
+  std::int64_t accepted_us_ = INT64_MIN / 2;
+  std::int64_t lateral_us_ = INT64_MIN / 2;
+  bool ready_ = false;
+  bool gravity_known_ = false;
+
   Vec3 velocity_ = Vec3::Zero();
   Vec3 gravity_ = Vec3::Zero();
-  Vec3 bias_ = Vec3::Zero();
+  Vec3 gyro_bias_ = Vec3::Zero();
+  Vec3 accel_bias_ = Vec3::Zero();
   double scale_ = 0;
-  Covariance covariance_ = Covariance::Zero();
-  Vec3 rate_ = Vec3::Zero();
-  bool ready_ = false;
-  bool standing_ = false;
+  Covariance covariance_ = Covariance::Zero();  // in the order of the k... constants above
 };
 
 }  // namespace egofocus

@@ -55,6 +55,7 @@ TEST_CASE("rms displacement is the root mean square over all pixels") {
 
 TEST_CASE("the parallax ladder spans its pixels over the window that is left") {
   LadderConfig config;
+  config.span_px = 24;
   const Intrinsics grid = grid_346();
   SECTION("slow: the whole window is kept, and the ladder reaches nearer than z_near") {
     const auto track = constant_motion(0.3, 0, 0, 0.2, 200'000);
@@ -107,10 +108,12 @@ TEST_CASE("a camera that shakes and comes back still has the parallax in between
   MotionTrack track;
   integrate_track(motion, 800'000, 1'000'000, track);
   REQUIRE(std::abs(track.knots[0].centre_m[0]) < 1e-4);
+  LadderConfig config;
+  config.span_px = 24;
   double largest = 0;
   for (const MotionKnot& knot : track.knots)
     largest = std::max(largest, brute_force_rms(grid_346(), knot.centre_m, 1));
-  const HypothesisLadder ladder = choose_ladder({}, grid_346(), track);
+  const HypothesisLadder ladder = choose_ladder(config, grid_346(), track);
   REQUIRE(ladder.has_parallax);
   CHECK(ladder.step_per_m * 63 * largest == Approx(24));
 }
@@ -158,7 +161,7 @@ TEST_CASE("a ladder that cannot be meant is refused") {
     config.span_px = nan;
   }
   SECTION("minimum above span") {
-    config.min_parallax_px = 25;
+    config.min_parallax_px = config.span_px + 1;
   }
   SECTION("minimum negative") {
     config.min_parallax_px = -1;

@@ -93,6 +93,7 @@ TEST_CASE("landing points agree with a re-projection to 0.1 px at 24 px of paral
     MotionTrack track;
     integrate_track({&constant, 1}, 0, 200'000, track);
     LadderConfig config;
+    config.span_px = 24;
     config.z_near_m = 0.05;  // the ladder alone limits: the whole window is used
     const HypothesisLadder ladder = choose_ladder(config, kGrid, track);
     REQUIRE(ladder.parallax_px == Approx(24));

@@ -33,6 +33,7 @@ class SlidingScene {
     config.camera.intrinsics = {kWidth, kHeight, kFocal_px, kFocal_px, 31.5, 23.5};
     config.ladder.hypotheses = 32;
     config.ladder.z_near_m = 0.5;
+    config.ladder.span_px = 24;
     config.window.max_events = 4000;
     config.window.min_events = 100;
     config.motion.source = MotionSource::kPoses;

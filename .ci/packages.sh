@@ -1,0 +1,87 @@
+# What the commands need, and how it is installed. Sourced by ./check and ./demo.
+#
+# A row of a group is `package probe[,probe]`: a program on the PATH, or a file (globs allowed) when it holds a slash.
+# One probe that is there is enough, so that other distributions and hand-made installations pass as well.
+# The package names are Debian 12's.
+
+packages_of() {
+  case "$1" in
+    build) cat <<'ROWS'
+g++ c++,g++
+cmake cmake
+ninja-build ninja
+libeigen3-dev /usr/include/eigen3/Eigen/Core,/usr/local/include/eigen3/Eigen/Core
+libtomlplusplus-dev /usr/include/toml++/toml.h,/usr/local/include/toml++/toml.h
+libcli11-dev /usr/include/CLI/CLI.hpp,/usr/local/include/CLI/CLI.hpp
+libpng-dev /usr/include/png.h,/usr/local/include/png.h
+ROWS
+      ;;
+    test) cat <<'ROWS'
+catch2 /usr/include/catch2/catch.hpp,/usr/local/include/catch2/catch.hpp
+ccache ccache
+python3 python3
+ROWS
+      ;;
+    format) echo "clang-format clang-format,clang-format-14" ;;
+    clang) cat <<'ROWS'
+clang clang++
+libclang-rt-dev /usr/lib/llvm-*/lib/clang/*/lib/linux/libclang_rt.fuzzer-*.a,/usr/lib/clang/*/lib/linux/libclang_rt.fuzzer-*.a
+ROWS
+      ;;
+    qemu) echo "qemu-user qemu-aarch64,qemu-aarch64-static" ;;
+    aarch64) echo "g++-aarch64-linux-gnu aarch64-linux-gnu-g++" ;;
+    armv7) echo "g++-arm-linux-gnueabihf arm-linux-gnueabihf-g++" ;;
+    install) echo "pkg-config pkg-config" ;;
+  esac
+}
+
+probe_found() {
+  local probe
+  local IFS=,
+  for probe in $1; do
+    if [[ $probe == */* ]]; then
+      compgen -G "$probe" >/dev/null && return 0
+    else
+      command -v "$probe" >/dev/null && return 0
+    fi
+  done
+  return 1
+}
+
+# The packages of the groups whose probes find nothing, one a line.
+missing_packages() {
+  local group package probes
+  for group in "$@"; do
+    while read -r package probes; do
+      [[ -n $package ]] && ! probe_found "$probes" && echo "$package"
+    done < <(packages_of "$group")
+  done | sort -u
+}
+
+# require_packages LOG GROUP...: installs what is missing; exits with 3 when that is not possible.
+require_packages() {
+  local log=$1
+  shift
+  local missing
+  mapfile -t missing < <(missing_packages "$@")
+  ((${#missing[@]} == 0)) && return 0
+  local line="apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
+  if ! command -v apt-get >/dev/null; then
+    echo "Not found on this machine (names as in Debian 12): ${missing[*]}"
+    echo "Install their counterparts here, then run this command again."
+    exit 3
+  fi
+  if ((EUID != 0)); then
+    echo "Some packages are missing. Run this line once, then this command again:"
+    echo "  sudo sh -c '$line'"
+    exit 3
+  fi
+  echo "installing ${#missing[@]} packages: ${missing[*]}"
+  if ! (export DEBIAN_FRONTEND=noninteractive
+        apt-get update && apt-get install -y --no-install-recommends "${missing[@]}") >"$log" 2>&1 </dev/null; then
+    tail -n 15 "$log"
+    echo "apt-get failed; the whole log is $log. Run this line by hand to see why:"
+    echo "  $line"
+    exit 3
+  fi
+}

@@ -1,0 +1,173 @@
+# The steps of ./check: a table, and one function each. Sourced for the table; run as `steps.sh STEP` to do one step.
+# A step's output is its log. A line that begins with "note: " is shown to the user even when the step passes.
+
+# name | package groups | limit in seconds | starts after | what it does. The order is the order of start.
+STEPS=(
+  "format|format|60||every C and C++ file is as clang-format leaves it"
+  "rules|test|60||include rule, file lengths, wording; each check is seen to fail on a planted violation"
+  "dev|build test|900||g++, debug: build, all tests"
+  "asan|build test|1200||address and undefined-behaviour sanitizers: build, all tests"
+  "release|build test|900||g++, release: build, all tests, symbol bans"
+  "aarch64|build test aarch64 qemu|1200||64-bit ARM cross build; tests on cortex-a53, cortex-a76, max"
+  "armv7|build test armv7 qemu|1200||32-bit ARM cross build; tests on cortex-a9"
+  "tsan|build test|900||thread sanitizer: build, tests with threads"
+  "clang|build test clang|900||clang++, release: build, all tests, symbol bans"
+  "headers|build test clang|600|dev|each header compiles alone, with g++ and clang++"
+  "nehalem|build test qemu|600|release|kernel tests on an emulated x86 without AVX"
+  "install|build test install|600||a consumer of the installed library: static and shared, CMake and pkg-config"
+  "install-aarch64|build test install aarch64 qemu|600||the same against the 64-bit ARM tree, run emulated"
+  "fuzz|build test clang|400||every fuzzer, 60 s in all"
+  "readme|build test|120|dev|the C++ example of the README compiles and links"
+  "golden|test|30|dev release clang aarch64 armv7|the golden replay was run, and equal, in every build"
+)
+QUICK_STEPS=(format rules dev)
+
+# --- what the steps share ---------------------------------------------------------------------------------------------
+
+fail() {
+  echo "error: $*"
+  exit 1
+}
+
+cpp_files() { # every C and C++ file of ours
+  find include src apps tests bench tools -type f \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.c' \) 2>/dev/null |
+    sort
+}
+
+# configure_and_build PRESET [cmake option ...]
+configure_and_build() {
+  local preset=$1
+  shift
+  cmake --preset "$preset" "$@" && cmake --build "build/$preset" -j "$JOBS" || exit 1
+}
+
+# run_ctest PRESET [ctest option ...]: no test may hang; a build without tests is a failure.
+run_ctest() {
+  local preset=$1
+  shift
+  ctest --test-dir "build/$preset" --no-tests=error --output-on-failure --timeout "${TEST_LIMIT:-300}" "$@"
+}
+
+# emulated PRESET QEMU_CPU [ctest option ...]: one run of the tests on an emulated processor, with a log for `golden`.
+emulated() {
+  local preset=$1 cpu=$2
+  shift 2
+  echo "=== $preset on $cpu"
+  QEMU_CPU=$cpu TEST_LIMIT=600 run_ctest "$preset" --output-junit "tests-$cpu.xml" "$@"
+}
+
+# --- the steps --------------------------------------------------------------------------------------------------------
+
+step_format() {
+  local tool=clang-format
+  command -v clang-format-14 >/dev/null && tool=clang-format-14
+  local off
+  off=$(cpp_files | xargs -r "$tool" --dry-run -Werror 2>&1) && return 0
+  echo "$off"
+  echo "error: these files are laid out differently. To mend: $tool -i" \
+    $(sed -nE 's/^([^ :]+):[0-9]+:[0-9]+: error:.*/\1/p' <<<"$off" | sort -u)
+  local major
+  major=$("$tool" --version | grep -oE 'version [0-9]+' | grep -oE '[0-9]+')
+  if [[ $major != 14 ]]; then
+    # Another version lays out a few constructs differently; only version 14 decides.
+    echo "note: clang-format $major would lay out some files differently; version 14 decides, so this is not a failure"
+    return 0
+  fi
+  return 1
+}
+
+step_rules() {
+  local failed=0 check
+  for check in include_rule file_length wording; do
+    python3 "tests/checks/$check.py" . || failed=1
+  done
+  bash tests/checks/can_fail.sh || failed=1
+  return $failed
+}
+
+step_dev() {
+  configure_and_build dev
+  run_ctest dev --output-junit tests.xml -LE slow
+}
+
+step_release() {
+  configure_and_build release
+  run_ctest release --output-junit tests.xml
+}
+
+step_clang() {
+  configure_and_build clang
+  run_ctest clang --output-junit tests.xml
+}
+
+step_asan() {
+  configure_and_build asan
+  ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1 \
+    TEST_LIMIT=600 run_ctest asan -LE 'native|slow'
+}
+
+step_tsan() {
+  configure_and_build tsan -DEGOFOCUS_BUILD_APPS=OFF
+  TSAN_OPTIONS=halt_on_error=1 TEST_LIMIT=600 run_ctest tsan -LE 'native|slow' -R 'core|pipeline|hal'
+}
+
+step_aarch64() {
+  configure_and_build aarch64 -DEGOFOCUS_BUILD_APPS=OFF
+  local cpu failed=0
+  for cpu in cortex-a53 cortex-a76 max; do emulated aarch64 "$cpu" -LE 'native|slow' || failed=1; done
+  return $failed
+}
+
+step_armv7() {
+  configure_and_build armv7 -DEGOFOCUS_BUILD_APPS=OFF
+  emulated armv7 cortex-a9 -LE 'native|slow'
+}
+
+step_nehalem() {
+  [[ $(uname -m) == x86_64 ]] || { echo "note: not an x86-64 machine: not run here"; return 0; }
+  local tests test cpu
+  mapfile -t tests < <(find build/release/tests/kernels -maxdepth 1 -type f -name 'test_*' -perm -u+x)
+  ((${#tests[@]} > 0)) || fail "no kernel tests in build/release: run ./check --only release first"
+  for test in "${tests[@]}"; do
+    for cpu in Nehalem max; do
+      echo "=== $test on $cpu"
+      qemu-x86_64 -cpu "$cpu" "$test" || return 1
+    done
+  done
+}
+
+step_headers() {
+  [[ -d build/dev/generated ]] || fail "build/dev is missing: run ./check --only dev first"
+  bash tests/checks/headers_alone.sh . build/dev/generated g++ "$JOBS" &&
+    bash tests/checks/headers_alone.sh . build/dev/generated clang++ "$JOBS"
+}
+
+step_install() {
+  bash tests/checks/install_consumer.sh native static && bash tests/checks/install_consumer.sh native shared
+}
+
+step_install-aarch64() {
+  bash tests/checks/install_consumer.sh aarch64 static && bash tests/checks/install_consumer.sh aarch64 shared
+}
+
+step_fuzz() {
+  configure_and_build fuzz
+  bash tests/checks/run_fuzzers.sh build/fuzz 60 2
+}
+
+step_readme() {
+  bash tests/checks/readme_example.sh . build/dev
+}
+
+step_golden() {
+  python3 tests/checks/golden_everywhere.py build
+}
+
+if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
+  set -u
+  cd "$(dirname "$0")/.." || exit 1
+  JOBS=$(nproc)
+  command -v ccache >/dev/null && export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  export CLICOLOR_FORCE=0 GTEST_COLOR=no NINJA_STATUS='[%f/%t] ' LC_ALL=C
+  "step_$1"
+fi

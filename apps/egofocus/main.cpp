@@ -1,0 +1,45 @@
+// egofocus: the command line. One file per subcommand; commands.hpp lists them.
+#include <cstdio>
+#include <exception>
+
+#include "commands.hpp"
+#include "egofocus/version.hpp"
+#include "recording/error.hpp"
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  egofocus replay fixtures/planes --out out/planes     depth of a recording, with pictures
+  egofocus info fixtures/planes                        what is in a recording
+  egofocus info events.raw --json                      the same of one file, for programs
+  egofocus convert slider_depth out/slider             a recording from a text set (ECD, RPG)
+
+Exit codes: 0 ok, 1 internal error, 2 wrong command line, 3 file missing or unreadable, 4 bad or truncated file,
+5 bad configuration, 6 no motion or a gap in it, 7 no events.)";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using egofocus::recording::Error;
+  using egofocus::recording::ExitCode;
+  CLI::App program("Metric depth from one event camera and measured motion.", "egofocus");
+  program.set_version_flag("--version", "egofocus " EGOFOCUS_VERSION);
+  program.require_subcommand(1);
+  program.footer(kExamples);
+  egofocus::app::add_convert(program);
+  egofocus::app::add_info(program);
+  egofocus::app::add_replay(program);
+  try {
+    program.parse(argc, argv);
+    return static_cast<int>(ExitCode::kOk);
+  } catch (const CLI::ParseError& error) {
+    // --help and --version come this way, too, with code 0.
+    return program.exit(error) == 0 ? static_cast<int>(ExitCode::kOk) : static_cast<int>(ExitCode::kUsage);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "egofocus: %s\n", error.what());
+    return error.exit_code();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "egofocus: internal error: %s\n", error.what());
+    return static_cast<int>(ExitCode::kInternal);
+  }
+}

@@ -1,0 +1,51 @@
+// What a replay has to say: a line per tick that any machine prints alike, and a summary with this machine's times.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "egofocus/health.hpp"
+#include "egofocus/types.hpp"
+#include "json.hpp"
+#include "recording/depth_error.hpp"
+#include "recording/replay.hpp"
+
+namespace egofocus::app {
+
+/// FNV-1a, 64 bits, over the frame's depth, confidence, scale, flags and counts: equal hashes, equal frames.
+[[nodiscard]] std::uint64_t frame_hash(const DepthFrame& frame) noexcept;
+
+/// Text of FrameFlag bits: "none", "no_parallax", "stale_velocity+overload", ...
+[[nodiscard]] std::string flags_text(std::uint32_t flags);
+
+class ReplayReport {
+ public:
+  void add(const DepthFrame& frame, double milliseconds);
+  void add_truth(const recording::DepthError& error);
+
+  [[nodiscard]] std::size_t ticks() const { return milliseconds_.size(); }
+
+  /// Deterministic: one line per tick, then counts and health. The same bytes on every machine, ISA and thread count;
+  /// what tests/golden holds.
+  [[nodiscard]] std::string golden_text(recording::Replay& replay) const;
+
+  /// Everything, times included.
+  [[nodiscard]] Json summary(recording::Replay& replay) const;
+
+ private:
+  [[nodiscard]] double percentile_ms(double share) const;
+
+  std::vector<std::string> lines_;
+  std::vector<double> milliseconds_;
+  std::vector<double> coverage_;  // of the ticks that gave depth
+  std::vector<recording::DepthError> errors_;
+  std::uint64_t events_ = 0;
+  std::uint64_t votes_ = 0;
+  std::uint64_t hash_ = 0;
+  std::int64_t first_us_ = 0;
+  std::int64_t last_us_ = 0;
+  std::uint64_t with_depth_ = 0;
+};
+
+}  // namespace egofocus::app

@@ -1,0 +1,17 @@
+// One data frame of a CAN bus, classic or FD.
+#pragma once
+
+#include <cstdint>
+
+namespace egofocus {
+
+struct CanFrame {
+  std::int64_t t_us = 0;  ///< of reception, on the recorder's clock
+  std::uint32_t id = 0;   ///< 11 bits, or 29 bits if `extended`
+  bool extended = false;
+  bool fd = false;
+  std::uint8_t length = 0;  ///< bytes in `data`: 0..8, or 0..64 if `fd`
+  std::uint8_t data[64] = {};
+};
+
+}  // namespace egofocus

@@ -1,0 +1,31 @@
+#!/usr/bin/env python3
+"""The golden replay compares with one committed text; this makes sure that it ran, and passed, in every build.
+
+usage: golden_everywhere.py BUILD_ROOT      exit code 1 when a run is missing, skipped or failed
+"""
+import pathlib
+import sys
+import xml.etree.ElementTree as xml
+
+RUNS = ("dev/tests.xml", "release/tests.xml", "clang/tests.xml", "aarch64/tests-cortex-a53.xml",
+        "aarch64/tests-cortex-a76.xml", "aarch64/tests-max.xml", "armv7/tests-cortex-a9.xml")
+
+
+def main():
+    bad = 0
+    for run in RUNS:
+        report = pathlib.Path(sys.argv[1]) / run
+        if not report.exists():
+            print(f"error: {run}: no report; the build's step did not come so far")
+            bad += 1
+            continue
+        golden = [case for case in xml.parse(report).getroot().iter("testcase") if "golden" in case.get("name")]
+        passed = [case for case in golden if case.get("status") == "run"]
+        print(f"{run}: {len(passed)} of {len(golden)} golden tests passed")
+        if not golden or len(passed) < len(golden):
+            print(f"error: {run}: the golden replay did not pass here")
+            bad += 1
+    return 1 if bad else 0
+
+
+sys.exit(main())

@@ -1,0 +1,27 @@
+// DBC text for tests. A Dbc is too large for a small stack, so it comes on the heap.
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include "hal/dbc.hpp"
+
+inline std::unique_ptr<egofocus::Dbc> read_dbc_text(const std::string& text) {
+  auto dbc = std::make_unique<egofocus::Dbc>();
+  const egofocus::Status status = egofocus::read_dbc(text, {}, *dbc);
+  char message[200];
+  status.describe(message);
+  INFO(message);
+  REQUIRE(status.ok());
+  return dbc;
+}
+
+/// One of fixtures/dbc.
+inline std::unique_ptr<egofocus::Dbc> read_dbc_fixture(const std::string& name) {
+  std::ifstream file(EGOFOCUS_SOURCE_DIR "/fixtures/dbc/" + name, std::ios::binary);
+  REQUIRE(file.good());
+  return read_dbc_text({std::istreambuf_iterator<char>(file), {}});
+}

@@ -1,0 +1,92 @@
+#include "exercised_isas.hpp"
+
+#define CATCH_CONFIG_EXTERNAL_INTERFACES  // the listener classes
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+namespace egofocus::test {
+namespace {
+
+std::map<std::string, IsaSet>& exercised() {
+  static std::map<std::string, IsaSet> by_op;
+  return by_op;
+}
+
+IsaSet compiled_isas() {
+  IsaSet set = isa_bit(Isa::kScalar);
+#ifdef EGOFOCUS_HAVE_SSE41
+  set |= isa_bit(Isa::kSse41);
+#endif
+#ifdef EGOFOCUS_HAVE_AVX2
+  set |= isa_bit(Isa::kAvx2);
+#endif
+#ifdef EGOFOCUS_HAVE_AVX512
+  set |= isa_bit(Isa::kAvx512);
+#endif
+#ifdef EGOFOCUS_HAVE_NEON
+  set |= isa_bit(Isa::kNeon);
+#endif
+  return set;
+}
+
+IsaSet expected_isas() {
+  const char* forced = std::getenv("EGOFOCUS_EXPECT_ISA");
+  if (forced == nullptr) return compiled_isas() & detect_isa();
+  const std::string list = std::string(",").append(forced).append(",");
+  IsaSet set = isa_bit(Isa::kScalar);
+  for (Isa isa : kEveryIsa) {
+    if (list.find(std::string(",").append(isa_name(isa)).append(",")) != std::string::npos)
+      set |= isa_bit(isa);
+  }
+  return set;
+}
+
+std::string names(IsaSet set) {
+  std::string text;
+  for (Isa isa : kEveryIsa) {
+    if (has_isa(set, isa)) text.append(" ").append(isa_name(isa));
+  }
+  return text;
+}
+
+struct IsaReport : Catch::TestEventListenerBase {
+  using TestEventListenerBase::TestEventListenerBase;
+
+  void testRunEnded(const Catch::TestRunStats& stats) override {
+    // A failed assertion ends its loop over the rows early: what is missing then says nothing.
+    const bool complete = stats.totals.testCases.allOk();
+    const IsaSet expected = expected_isas();
+    bool missing = false;
+    std::printf("seed %u; compiled:%s; not exercised here:%s\n", test_seed(), names(compiled_isas()).c_str(),
+                names(compiled_isas() & ~detect_isa()).c_str());
+    for (const auto& [op, set] : exercised()) {
+      std::printf("%s: exercised:%s\n", op.c_str(), names(set).c_str());
+      if (!complete || (expected & ~set) == 0) continue;
+      std::printf("%s: FAILED, expected but not exercised:%s\n", op.c_str(), names(expected & ~set).c_str());
+      missing = true;
+    }
+    std::fflush(stdout);
+    if (missing) std::_Exit(EXIT_FAILURE);
+  }
+};
+
+CATCH_REGISTER_LISTENER(IsaReport)
+
+}  // namespace
+
+bool exercise(const char* op, Isa isa) {
+  IsaSet& set = exercised()[op];
+  if (!has_isa(detect_isa(), isa)) return false;
+  set |= isa_bit(isa);
+  return true;
+}
+
+std::uint32_t test_seed() {
+  const char* chosen = std::getenv("EGOFOCUS_TEST_SEED");
+  return chosen == nullptr ? 20240229u : static_cast<std::uint32_t>(std::strtoul(chosen, nullptr, 10));
+}
+
+}  // namespace egofocus::test

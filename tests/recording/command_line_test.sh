@@ -1,0 +1,63 @@
+#!/bin/sh
+# command_line_test.sh PROGRAM FIXTURES [EMULATOR...]: exit codes and messages of the command line on bad input.
+program=$1
+fixtures=$2
+shift 2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+
+# expect CODE PATTERN ARGUMENT...: the exit code, and an extended pattern in what it prints.
+expect() {
+  code=$1
+  pattern=$2
+  shift 2
+  "$@" >"$work/output" 2>&1
+  got=$?
+  if [ "$got" -ne "$code" ] || ! grep -Eq "$pattern" "$work/output"; then
+    echo "FAILED: $* (exit $got, wanted $code; wanted text: $pattern)"
+    sed 's/^/  | /' "$work/output"
+    failures=$((failures + 1))
+  fi
+}
+
+run() {
+  code=$1
+  pattern=$2
+  shift 2
+  expect "$code" "$pattern" $emulator "$program" "$@"
+}
+emulator=$*
+
+run 0 'Examples:' --help
+run 0 '^egofocus [0-9]+\.[0-9]+' --version
+run 2 'subcommand is required'
+run 2 'Run with --help' frobnicate
+run 2 'FILE is required' info
+run 3 'nowhere: cannot be read' info "$work/nowhere"
+run 0 '"events": 451473,' info "$fixtures/planes" --json
+run 0 'BODY_MOTION' info "$fixtures/planes/vehicle.dbc"
+run 0 'kind +poses' info "$fixtures/planes/poses.txt"
+
+: >"$work/empty.raw"
+run 4 'is empty' info "$work/empty.raw"
+printf 'hello world, this is prose\n' >"$work/prose.txt"
+run 4 'of no known kind' info "$work/prose.txt"
+printf '%% no format here\n%% end\n' >"$work/bad.raw"
+run 4 'bad.raw' info "$work/bad.raw"
+head -c 1001 "$fixtures/planes/events.raw" >"$work/cut.raw"
+run 0 'cut_off_bytes +1' info "$work/cut.raw"
+printf '[camera]\nwidth = 3\n' >"$work/camera.toml"
+run 5 'camera.toml:' info "$work/camera.toml"
+printf '0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n' >"$work/poses.txt"
+run 4 'poses.txt:2: time' info "$work/poses.txt"
+mkdir "$work/folder"
+run 3 'camera.toml' info "$work/folder"
+cp "$fixtures/planes/camera.toml" "$fixtures/planes/events.raw" "$fixtures/planes/vehicle.dbc" "$work/folder"
+run 6 'no motion' info "$work/folder"
+run 3 'neither events.txt' convert "$work/folder" "$work/out"
+run 2 'must look like' convert "$work/folder" "$work/out" --size 24
+run 2 'number of seconds' convert "$work/folder" "$work/out" --t0 noon
+
+[ "$failures" -eq 0 ] && echo "all passed"
+exit "$failures"

@@ -1,0 +1,36 @@
+// Random numbers that are the same everywhere: integer arithmetic, and doubles made by exact operations.
+#pragma once
+
+#include <cstdint>
+
+namespace egofocus::sim {
+
+/// One step of a well-mixing 64-bit hash (multiply and xor-shift, constants of SplitMix64).
+inline std::uint64_t mix_bits(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(mix_bits(seed)) {}
+
+  std::uint64_t bits() { return mix_bits(state_++); }
+  /// [0, 1), a multiple of 2^-53.
+  double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+  /// [0, n)
+  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(((bits() >> 32) * n) >> 32); }
+  /// Mean 0, deviation 1: the sum of twelve uniforms, so never beyond 6.
+  double normal() {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += uniform();
+    return sum;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace egofocus::sim
