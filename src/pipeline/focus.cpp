@@ -9,6 +9,9 @@ constexpr std::int32_t kPeakReach = 4;
 constexpr std::uint32_t kPenaltyUnit =
     128;  // penalty of a hypothesis that is worse by the frame's mean contrast
 constexpr std::uint32_t kSmallestContrast = 128;
+constexpr std::uint32_t kLeastParallax_q4 =
+    2 * 16;                                  // less between first and last hypothesis: nothing to choose from
+constexpr std::uint32_t kHalfTrust_q4 = 16;  // a parallax of one pixel halves the confidence
 
 struct Peak {
   std::int32_t best = 0;
@@ -43,7 +46,8 @@ Peak find_peak(const std::int32_t* score, std::int32_t hypotheses) noexcept {
 
 Focus::Focus(const Config& config, int parts, Arena& arena) noexcept
     : config_(config.focus),
-      cells_(cell_grid(working_grid(config))),
+      grid_(working_grid(config)),
+      cells_(cell_grid(grid_)),
       hypotheses_(config.ladder.hypotheses),
       plane_cost_(config.focus, working_grid(config), parts, arena),
       smoothing_(config.focus.smoothing ? cells_ : CellGrid{}, hypotheses_, parts, arena) {
@@ -68,8 +72,10 @@ void Focus::run_step(WorkerPool& pool) noexcept {
            this);
 }
 
-CellDepth Focus::run(const Warp& warp, WorkerPool& pool) noexcept {
+CellDepth Focus::run(const Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+                     WorkerPool& pool) noexcept {
   warp_ = &warp;
+  for (int i = 0; i < 3; ++i) full_baseline_[i] = baseline_m[i] * ladder.step_per_m * (hypotheses_ - 1);
   run_step<&Focus::costs>(pool);
   run_step<&Focus::contrast>(pool);
   std::uint64_t contrast_sum = 0;
@@ -144,6 +150,15 @@ void Focus::penalties(int part, int parts) noexcept {
   }
 }
 
+// Displacement in 1/16 px between the first and the last hypothesis at a cell's centre.
+std::uint32_t Focus::full_parallax_q4(std::size_t cell) const noexcept {
+  const auto width = static_cast<std::size_t>(cells_.width);
+  const double u = 2.0 * static_cast<double>(cell % width) + 0.5;
+  const double v = 2.0 * static_cast<double>(cell / width) + 0.5;
+  const double px = displacement_px_m(grid_, full_baseline_, u, v);
+  return px < 1000.0 ? static_cast<std::uint32_t>(px * 16.0) : 16000u;
+}
+
 void Focus::decide(int part, int parts) noexcept {
   const std::size_t first = cells_.size() * static_cast<unsigned>(part) / static_cast<unsigned>(parts);
   const std::size_t last = cells_.size() * (static_cast<unsigned>(part) + 1) / static_cast<unsigned>(parts);
@@ -162,8 +177,15 @@ void Focus::decide(int part, int parts) noexcept {
                                   : (static_cast<std::uint64_t>(peak.gap) * penalty_scale_q16_) >> 16;
     const bool supported =
         density_[static_cast<std::size_t>(peak.best) * cells_.size() + cell] >= min_density_q8_;
-    const std::uint64_t scaled = gap + 1 < 255 ? gap + 1 : 255;
-    confidence_[cell] = supported ? static_cast<std::uint8_t>(scaled) : std::uint8_t{0};
+    // What stood out by chance where hardly anything moved is no depth: trust falls with the parallax at the
+    // peak.
+    const std::uint32_t full_q4 = full_parallax_q4(cell);
+    const std::uint64_t parallax_q4 = static_cast<std::uint64_t>(full_q4) * index_q8_[cell] /
+                                      (static_cast<unsigned>(hypotheses_ - 1) * 256u);
+    const std::uint64_t capped = gap < 254 ? gap : 254;
+    const std::uint64_t trust = capped * parallax_q4 / (parallax_q4 + kHalfTrust_q4) + 1;
+    const bool known = supported && full_q4 >= kLeastParallax_q4;
+    confidence_[cell] = known ? static_cast<std::uint8_t>(trust) : std::uint8_t{0};
   }
 }
 

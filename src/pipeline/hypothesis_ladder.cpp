@@ -21,6 +21,13 @@ double rms_displacement_px_m(const Intrinsics& grid, const double centre_m[3]) n
                      mean_square_px2(centre_m[1], centre_m[2], grid.fy_px, grid.cy_px, grid.height_px));
 }
 
+double displacement_px_m(const Intrinsics& grid, const double centre_m[3], double u_px,
+                         double v_px) noexcept {
+  const double du = grid.fx_px * centre_m[0] - centre_m[2] * (u_px - grid.cx_px);
+  const double dv = grid.fy_px * centre_m[1] - centre_m[2] * (v_px - grid.cy_px);
+  return square_root(du * du + dv * dv);
+}
+
 Status check_ladder(const LadderConfig& config) noexcept {
   if (config.hypotheses < 8 || config.hypotheses > 64 || config.hypotheses % 8 != 0) {
     return {StatusCode::kBadLadder, "ladder.hypotheses", config.hypotheses, 64};

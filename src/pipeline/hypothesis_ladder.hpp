@@ -20,6 +20,9 @@ struct HypothesisLadder {
 /// at `centre_m` in the reference view: f (c_x - c_z x), f (c_y - c_z y). Thread: any. RT: yes.
 double rms_displacement_px_m(const Intrinsics& grid, const double centre_m[3]) noexcept;
 
+/// The same at one point of the grid: the displacement of what lands on (u, v). Thread: any. RT: yes.
+double displacement_px_m(const Intrinsics& grid, const double centre_m[3], double u_px, double v_px) noexcept;
+
 Status check_ladder(const LadderConfig& config) noexcept;
 
 /// `longest` covers the longest window allowed. kParallax cuts it where a point at z_near would leave the

@@ -80,7 +80,7 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
     pool.run([](void* context, int part,
                 int parts) noexcept { static_cast<Step*>(context)->self.warp_.vote(part, parts); },
              &step);
-    const CellDepth cells = focus_.run(warp_, pool);
+    const CellDepth cells = focus_.run(warp_, ladder, track_->knots[0].centre_m, pool);
     depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
     frame.events = selection.count;
     frame.votes = warp_.votes();

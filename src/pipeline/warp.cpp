@@ -68,6 +68,7 @@ Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexc
   lines_.k_end = arena.array<std::uint8_t>(events);
   lines_.time_u8 = arena.array<std::uint8_t>(events);
   stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
+  for (int i = 0; i < config.threads; ++i) scratch_[i] = arena.array<std::uint32_t>(pixels_);
 }
 
 void Warp::prepare(const CameraModel& camera) noexcept {
@@ -131,6 +132,7 @@ void Warp::vote(int part, int parts) noexcept {
   vote.row_stride = grid_.width_px;
   vote.plane_stride = static_cast<std::int64_t>(pixels_);
   vote.stack = mine.data();
+  vote.scratch = scratch_[part].data();
   counts_[part].votes = static_cast<std::uint64_t>(vote_(vote));
 }
 

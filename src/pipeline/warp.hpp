@@ -43,8 +43,8 @@ class Warp {
  public:
   static constexpr int kMaxParts = 8;
 
-  /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event) and the stack (1 byte per
-  /// hypothesis and grid pixel) from the arena.
+  /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event), the stack (1 byte per
+  /// hypothesis and grid pixel) and the kernel's scratch (4 bytes per grid pixel and thread) from the arena.
   Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
 
   /// Fills the ray table. RT: no (set-up).
@@ -81,6 +81,7 @@ class Warp {
   std::span<Ray> rays_;
   LandingLines lines_;
   std::span<std::uint8_t> stack_;
+  std::span<std::uint32_t> scratch_[kMaxParts];  // the vote kernel's, all zero between calls
   PartCount counts_[kMaxParts];
   int parts_ = 1;
 };
