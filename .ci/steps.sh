@@ -112,14 +112,14 @@ step_tsan() {
 }
 
 step_aarch64() {
-  configure_and_build aarch64 -DEGOFOCUS_BUILD_APPS=OFF
+  configure_and_build aarch64
   local cpu failed=0
   for cpu in cortex-a53 cortex-a76 max; do emulated aarch64 "$cpu" -LE 'native|slow' || failed=1; done
   return $failed
 }
 
 step_armv7() {
-  configure_and_build armv7 -DEGOFOCUS_BUILD_APPS=OFF
+  configure_and_build armv7
   emulated armv7 cortex-a9 -LE 'native|slow'
 }
 

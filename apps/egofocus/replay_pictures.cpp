@@ -12,14 +12,18 @@ namespace egofocus::app {
 ReplayPictures::ReplayPictures(std::filesystem::path folder, double z_near_m)
     : folder_(std::move(folder)), z_near_m_(z_near_m) {
   if (!recording::png_available()) {
-    throw recording::Error(recording::ExitCode::kUsage, "--out", "this build has no libpng. Install libpng-dev and build again.");
+    throw recording::Error(recording::ExitCode::kUsage, "--out",
+                           "this build has no libpng. Install libpng-dev and build again.");
   }
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
-  if (error) throw recording::Error(recording::ExitCode::kFile, folder_.string(), "cannot be made: " + error.message());
+  if (error)
+    throw recording::Error(recording::ExitCode::kFile, folder_.string(),
+                           "cannot be made: " + error.message());
 }
 
-void ReplayPictures::write(const DepthFrame& frame, const Intrinsics& sensor, std::span<const Event> events) const {
+void ReplayPictures::write(const DepthFrame& frame, const Intrinsics& sensor,
+                           std::span<const Event> events) const {
   char time[24];
   std::snprintf(time, sizeof time, "%012lld", static_cast<long long>(frame.t_us));
   const auto path = [&](const char* kind) { return folder_ / (std::string(time) + "_" + kind + ".png"); };
@@ -30,7 +34,8 @@ void ReplayPictures::write(const DepthFrame& frame, const Intrinsics& sensor, st
   const std::int32_t width = frame.grid.width_px;
   const std::int32_t height = frame.grid.height_px;
   recording::write_png(path("events"), recording::event_picture(sensor.width_px, sensor.height_px, events));
-  recording::write_png(path("depth"), recording::depth_picture(width, height, frame.inverse_depth, frame.confidence, brightest));
+  recording::write_png(path("depth"), recording::depth_picture(width, height, frame.inverse_depth,
+                                                               frame.confidence, brightest));
   recording::write_png(path("confidence"), recording::confidence_picture(width, height, frame.confidence));
 }
 

@@ -58,7 +58,10 @@ Result run(const test::FlatStack& stack, FocusConfig config, int threads) {
   Focus focus(all, threads, *arena);
   WorkerPool pool;
   REQUIRE(pool.start(threads, 0, -1).ok());
-  const CellDepth depth = focus.run(*stack.warp, pool);
+  // A baseline with plenty of parallax everywhere.
+  HypothesisLadder ladder;
+  ladder.step_per_m = 1;
+  const CellDepth depth = focus.run(*stack.warp, ladder, {1, 0, 0}, pool);
   return {depth.cells,
           {depth.index_q8.begin(), depth.index_q8.end()},
           {depth.confidence.begin(), depth.confidence.end()}};
