@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "kernels/isa.hpp"
@@ -81,21 +82,27 @@ void run(const Arguments& arguments) {
     if (!replay.tick(frame)) break;
     const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
     report.add(frame, spent.count());
-    if (const recording::DepthTruth* truth = replay.folder().truth_at(frame.t_us);
-        truth != nullptr && recording::png_available()) {
-      report.add_truth(
-          recording::frame_error(frame, recording::read_depth(*truth, replay.folder().camera).pixels));
+    std::vector<float> truth_m;
+    const recording::DepthTruth* truth = replay.folder().truth_at(frame.t_us);
+    if (truth != nullptr && recording::png_available()) {
+      truth_m = recording::read_depth(*truth, replay.folder().camera).pixels;
+      report.add_truth(recording::frame_error(frame, truth_m));
     }
-    if (pictures)
-      pictures->write(frame, replay.config().camera.intrinsics, replay.events_between(before_us, frame.t_us));
+    if (pictures) {
+      pictures->write(frame, replay.config().camera.intrinsics, replay.events_between(before_us, frame.t_us),
+                      truth_m);
+    }
     before_us = frame.t_us;
     progress.show(static_cast<std::size_t>(frame.t_us - first_us) + 1, span_us);
   }
 
   Json summary = report.summary(replay);
-  if (pictures) summary.add("pictures", arguments.out);
-  if (pictures)
-    recording::write_text_file(std::filesystem::path(arguments.out) / "report.json", summary.json() + "\n");
+  if (pictures) {
+    const std::filesystem::path out = arguments.out;
+    pictures->write_overview();
+    summary.add("pictures", arguments.out).add("look_at_first", (out / "overview.png").string());
+    recording::write_text_file(out / "report.json", summary.json() + "\n");
+  }
   if (!arguments.golden.empty()) recording::write_text_file(arguments.golden, report.golden_text(replay));
   std::puts((arguments.json ? summary.json() : summary.text()).c_str());
 }
