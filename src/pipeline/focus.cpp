@@ -75,7 +75,9 @@ void Focus::run_step(WorkerPool& pool) noexcept {
 CellDepth Focus::run(const Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
                      WorkerPool& pool) noexcept {
   warp_ = &warp;
-  for (int i = 0; i < 3; ++i) full_baseline_[i] = baseline_m[i] * ladder.step_per_m * (hypotheses_ - 1);
+  used_ = ladder.count;
+  smoothing_.set_hypotheses(used_);
+  for (int i = 0; i < 3; ++i) full_baseline_[i] = baseline_m[i] * ladder.step_per_m * (used_ - 1);
   run_step<&Focus::costs>(pool);
   run_step<&Focus::contrast>(pool);
   std::uint64_t contrast_sum = 0;
@@ -102,7 +104,7 @@ CellDepth Focus::run(const Warp& warp, const HypothesisLadder& ladder, const dou
 }
 
 void Focus::costs(int part, int parts) noexcept {
-  for (std::int32_t k = hypotheses_ * part / parts; k < hypotheses_ * (part + 1) / parts; ++k) {
+  for (std::int32_t k = used_ * part / parts; k < used_ * (part + 1) / parts; ++k) {
     const std::size_t at = static_cast<std::size_t>(k) * cells_.size();
     plane_cost_.compute(*warp_, k, part, cost_.subspan(at, cells_.size()),
                         density_.subspan(at, cells_.size()));
@@ -120,7 +122,7 @@ void Focus::contrast(int part, int parts) noexcept {
   for (std::size_t begin = first; begin < last; begin += kBlock) {
     const std::size_t n = last - begin < kBlock ? last - begin : kBlock;
     for (std::size_t i = 0; i < n; ++i) best[i] = worst[i] = cost_[begin + i];
-    for (std::int32_t k = 1; k < hypotheses_; ++k) {
+    for (std::int32_t k = 1; k < used_; ++k) {
       const std::uint16_t* cost = cost_.data() + static_cast<std::size_t>(k) * cells_.size() + begin;
       for (std::size_t i = 0; i < n; ++i) {
         best[i] = cost[i] > best[i] ? cost[i] : best[i];
@@ -139,7 +141,7 @@ void Focus::contrast(int part, int parts) noexcept {
 void Focus::penalties(int part, int parts) noexcept {
   const std::size_t first = cells_.size() * static_cast<unsigned>(part) / static_cast<unsigned>(parts);
   const std::size_t last = cells_.size() * (static_cast<unsigned>(part) + 1) / static_cast<unsigned>(parts);
-  const auto depth = static_cast<std::size_t>(hypotheses_);
+  const auto depth = static_cast<std::size_t>(used_);
   for (std::size_t cell = first; cell < last; ++cell) {
     const std::uint32_t best = best_cost_[cell];
     for (std::size_t k = 0; k < depth; ++k) {
@@ -162,14 +164,14 @@ std::uint32_t Focus::full_parallax_q4(std::size_t cell) const noexcept {
 void Focus::decide(int part, int parts) noexcept {
   const std::size_t first = cells_.size() * static_cast<unsigned>(part) / static_cast<unsigned>(parts);
   const std::size_t last = cells_.size() * (static_cast<unsigned>(part) + 1) / static_cast<unsigned>(parts);
-  const auto depth = static_cast<std::size_t>(hypotheses_);
+  const auto depth = static_cast<std::size_t>(used_);
   std::int32_t score[64];
   for (std::size_t cell = first; cell < last; ++cell) {
     for (std::size_t k = 0; k < depth; ++k) {
       score[k] =
           config_.smoothing ? smoothing_.sums()[cell * depth + k] : 65535 - cost_[k * cells_.size() + cell];
     }
-    const Peak peak = find_peak(score, hypotheses_);
+    const Peak peak = find_peak(score, used_);
     index_q8_[cell] = static_cast<std::uint16_t>(peak.index_q8);
     // Both forms in penalty units: four summed paths, or one raw cost.
     const std::uint64_t gap = config_.smoothing
@@ -180,8 +182,8 @@ void Focus::decide(int part, int parts) noexcept {
     // What stood out by chance where hardly anything moved is no depth: trust falls with the parallax at the
     // peak.
     const std::uint32_t full_q4 = full_parallax_q4(cell);
-    const std::uint64_t parallax_q4 = static_cast<std::uint64_t>(full_q4) * index_q8_[cell] /
-                                      (static_cast<unsigned>(hypotheses_ - 1) * 256u);
+    const std::uint64_t parallax_q4 =
+        static_cast<std::uint64_t>(full_q4) * index_q8_[cell] / (static_cast<unsigned>(used_ - 1) * 256u);
     const std::uint64_t capped = gap < 254 ? gap : 254;
     const std::uint64_t trust = capped * parallax_q4 / (parallax_q4 + kHalfTrust_q4) + 1;
     const bool known = supported && full_q4 >= kLeastParallax_q4;

@@ -59,6 +59,7 @@ class Focus {
   PartSum sums_[Warp::kMaxParts];
   std::uint32_t penalty_scale_q16_ = 0;
   const Warp* warp_ = nullptr;
+  std::int32_t used_ = 0;                // hypotheses of the tick, <= hypotheses_
   double full_baseline_[3] = {0, 0, 0};  // baseline times the last hypothesis: without unit
 };
 

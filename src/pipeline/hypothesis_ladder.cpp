@@ -61,7 +61,11 @@ HypothesisLadder choose_ladder(const LadderConfig& config, const Intrinsics& gri
   if (!ladder.has_parallax) return ladder;
   const double rho_max = parallax_ladder ? config.span_px / largest_px_m : 1.0 / config.z_near_m;
   ladder.step_per_m = rho_max / (config.hypotheses - 1);
-  ladder.parallax_px = rho_max * largest_px_m;
+  // One hypothesis beyond z_near, so that a peak there has neighbours on both sides; whole vectors of 8.
+  const double needed = floor_of(1.0 / (config.z_near_m * ladder.step_per_m)) + 3.0;
+  const std::int32_t whole = needed < 64.0 ? (static_cast<std::int32_t>(needed) + 7) / 8 * 8 : 64;
+  ladder.count = whole < config.hypotheses ? whole : config.hypotheses;
+  ladder.parallax_px = ladder.step_per_m * (ladder.count - 1) * largest_px_m;
   return ladder;
 }
 

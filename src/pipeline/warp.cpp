@@ -80,6 +80,7 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
   if (part == 0) {
     lines_.count = static_cast<std::int32_t>(selection.count);
     parts_ = parts;
+    used_ = ladder.count;
   }
   const std::uint64_t n = selection.count;
   const auto first =
@@ -100,21 +101,21 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
     const MotionKnot motion = interpolate(track.knots[knot], track.knots[knot + 1], at - knot);
     const Ray& ray =
         rays_[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(sensor_width_) + event.x];
-    const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, hypotheses_);
+    const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, ladder.count);
     lines_.u_q16[i] = line.u_q16;
     lines_.v_q16[i] = line.v_q16;
     lines_.du_q16[i] = line.du_q16;
     lines_.dv_q16[i] = line.dv_q16;
     lines_.k_end[i] = static_cast<std::uint8_t>(line.k_end);
     lines_.time_u8[i] = static_cast<std::uint8_t>(length_us > 0 ? since_us * 255 / length_us : 255);
-    behind += static_cast<std::uint64_t>(hypotheses_ - line.k_end);
+    behind += static_cast<std::uint64_t>(ladder.count - line.k_end);
   }
   counts_[part].behind_camera = behind;
 }
 
 void Warp::vote(int part, int parts) noexcept {
-  const std::int32_t first = hypotheses_ * part / parts;
-  const std::int32_t last = hypotheses_ * (part + 1) / parts;
+  const std::int32_t first = used_ * part / parts;
+  const std::int32_t last = used_ * (part + 1) / parts;
   const std::span<std::uint8_t> mine = stack_.subspan(static_cast<std::size_t>(first) * pixels_,
                                                       static_cast<std::size_t>(last - first) * pixels_);
   __builtin_memset(mine.data(), 0, mine.size());

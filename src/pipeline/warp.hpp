@@ -65,7 +65,8 @@ class Warp {
   [[nodiscard]] std::span<const std::uint8_t> plane(std::int32_t k) const noexcept {
     return stack_.subspan(static_cast<std::size_t>(k) * pixels_, pixels_);
   }
-  [[nodiscard]] std::int32_t hypotheses() const noexcept { return hypotheses_; }
+  /// Hypotheses of the last project(): planes 0 .. used() - 1 are filled by vote().
+  [[nodiscard]] std::int32_t used() const noexcept { return used_; }
 
  private:
   struct alignas(kCacheLine) PartCount {
@@ -84,6 +85,7 @@ class Warp {
   std::span<std::uint32_t> scratch_[kMaxParts];  // the vote kernel's, all zero between calls
   PartCount counts_[kMaxParts];
   int parts_ = 1;
+  std::int32_t used_ = 0;  // hypotheses of the tick, <= hypotheses_
 };
 
 }  // namespace egofocus

@@ -61,6 +61,7 @@ Result run(const test::FlatStack& stack, FocusConfig config, int threads) {
   // A baseline with plenty of parallax everywhere.
   HypothesisLadder ladder;
   ladder.step_per_m = 1;
+  ladder.count = all.ladder.hypotheses;
   const CellDepth depth = focus.run(*stack.warp, ladder, {1, 0, 0}, pool);
   return {depth.cells,
           {depth.index_q8.begin(), depth.index_q8.end()},

@@ -57,12 +57,15 @@ TEST_CASE("the parallax ladder spans its pixels over the window that is left") {
   LadderConfig config;
   config.span_px = 24;
   const Intrinsics grid = grid_346();
-  SECTION("slow: the whole window is kept, and the ladder reaches nearer than z_near") {
+  SECTION("slow: the whole window is kept, and what is nearer than z_near is left out") {
     const auto track = constant_motion(0.3, 0, 0, 0.2, 200'000);
     const HypothesisLadder ladder = choose_ladder(config, grid, *track);
     REQUIRE(ladder.has_parallax);
     CHECK(ladder.begin_us == 800'000);
-    CHECK(ladder.parallax_px == Approx(24));
+    CHECK(ladder.count == 32);
+    CHECK((ladder.count - 1) * ladder.step_per_m > 1 / config.z_near_m);
+    CHECK((ladder.count - 9) * ladder.step_per_m < 1 / config.z_near_m);
+    CHECK(ladder.parallax_px == Approx(24 * 31.0 / 63));
     const double rho_max = 63 * ladder.step_per_m;
     CHECK(rho_max >= 1 / config.z_near_m);
     CHECK(brute_force_rms(grid, track->knots[0].centre_m, rho_max) == Approx(24).epsilon(1e-9));
@@ -81,6 +84,7 @@ TEST_CASE("the parallax ladder spans its pixels over the window that is left") {
     const double at_near = brute_force_rms(grid, cut.knots[0].centre_m, 1 / config.z_near_m);
     CHECK(at_near <= 24 * (1 + 1e-3));
     CHECK(at_near >= 24 * (1 - 1.0 / 30));
+    CHECK(ladder.count == 64);
     CHECK(63 * ladder.step_per_m >= 1 / config.z_near_m * (1 - 1e-3));
     CHECK(ladder.parallax_px == Approx(24));
   }
@@ -95,6 +99,7 @@ TEST_CASE("the metric ladder ends at z_near and keeps the whole window") {
   const HypothesisLadder ladder = choose_ladder(config, grid_346(), *track);
   REQUIRE(ladder.has_parallax);
   CHECK(ladder.begin_us == 800'000);
+  CHECK(ladder.count == 32);
   CHECK(31 * ladder.step_per_m == Approx(1 / 1.6));
   CHECK(ladder.parallax_px == Approx(brute_force_rms(grid_346(), track->knots[0].centre_m, 1 / 1.6)));
 }

@@ -257,6 +257,7 @@ TEST_CASE("the stack of warped events is that of a plain loop, and the same for 
   HypothesisLadder ladder;
   ladder.begin_us = begin_us;
   ladder.step_per_m = 0.06;
+  ladder.count = config.ladder.hypotheses;
 
   std::mt19937 random(5);
   std::vector<Event> events;

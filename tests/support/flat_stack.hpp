@@ -31,6 +31,7 @@ class FlatStack {
     CameraMotion slide;
     slide.velocity_m_s[0] = 1;
     integrate_track({&slide, 1}, 0, kLength_us, track_);
+    ladder_.count = hypotheses;
     ladder_.step_per_m = span_px / (hypotheses - 1) / (100 * 0.1);  // f * distance
     window_ = std::make_unique<EventWindow>(config.window, *arena_);
     warp = std::make_unique<Warp>(config, select_kernels(isa_bit(Isa::kScalar)), *arena_);
