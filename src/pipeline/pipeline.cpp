@@ -19,8 +19,7 @@ void Pipeline::prepare(const Config& config) noexcept {
   warp_.prepare(config.camera);
 }
 
-// --- the algorithm
-// --------------------------------------------------------------------------------------------------
+// --- the algorithm -----------------------------------------------------------------------------------
 
 void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noexcept {
   DepthFrame& frame = out.frame;
@@ -96,8 +95,7 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   last_tick_us_ = tick_us;
 }
 
-// --- in and out
-// -------------------------------------------------------------------------------------------------------
+// --- in and out --------------------------------------------------------------------------------------
 
 std::uint64_t Pipeline::ingest_events(SpscRing<Event>& ring, std::int64_t tick_us,
                                       std::int64_t horizon_us) noexcept {

@@ -62,10 +62,10 @@ TEST_CASE("the parallax ladder spans its pixels over the window that is left") {
     const HypothesisLadder ladder = choose_ladder(config, grid, *track);
     REQUIRE(ladder.has_parallax);
     CHECK(ladder.begin_us == 800'000);
-    CHECK(ladder.count == 32);
+    CHECK(ladder.count == 24);
     CHECK((ladder.count - 1) * ladder.step_per_m > 1 / config.z_near_m);
     CHECK((ladder.count - 9) * ladder.step_per_m < 1 / config.z_near_m);
-    CHECK(ladder.parallax_px == Approx(24 * 31.0 / 63));
+    CHECK(ladder.parallax_px == Approx(24 * 23.0 / 63));
     const double rho_max = 63 * ladder.step_per_m;
     CHECK(rho_max >= 1 / config.z_near_m);
     CHECK(brute_force_rms(grid, track->knots[0].centre_m, rho_max) == Approx(24).epsilon(1e-9));
