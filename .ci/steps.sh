@@ -87,7 +87,7 @@ step_rules() {
 
 step_dev() {
   configure_and_build dev
-  run_ctest dev --output-junit tests.xml -LE slow
+  run_ctest dev --output-junit tests.xml -LE slow -j "$JOBS"
 }
 
 step_release() {

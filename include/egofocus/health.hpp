@@ -88,5 +88,7 @@ struct Health {
 /// Static texts, for logs and tables. Thread: any. RT: yes.
 EGOFOCUS_API const char* to_string(RunState state) noexcept;
 EGOFOCUS_API const char* to_string(Cause cause) noexcept;
+/// One bit: what was refused, and the remedy.
+EGOFOCUS_API const char* to_string(RealTimeRefusal refusal) noexcept;
 
 }  // namespace egofocus
