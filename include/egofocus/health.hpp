@@ -83,6 +83,8 @@ struct Health {
   WindowCounters window;
   TickCounters ticks;
   std::uint32_t refused = 0;  ///< RealTimeRefusal bits
+  std::uint32_t sources_lost =
+      0;  ///< attached sources whose poll() ended with an error, such as a lost device
 };
 
 /// Static texts, for logs and tables. Thread: any. RT: yes.

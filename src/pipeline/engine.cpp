@@ -30,14 +30,22 @@ struct AttachedSource {
   const std::atomic<bool>* stopping = nullptr;
   RtThread thread;
   bool started = false;
+  std::atomic<bool> lost{false};
+
+  // An error of the transport ends the source and is counted: nothing more comes, and nobody waits for it.
+  void poll(std::int64_t until_us, std::int64_t timeout_us) noexcept {
+    newest = source.poll(source.self, *inlets, until_us, timeout_us);
+    if (newest.status.ok()) return;
+    newest.ended = true;
+    lost.store(true, std::memory_order_relaxed);
+  }
 };
 
 // A live source: polled on its own thread, each wait bounded.
 void poll_until_stopped(void* self) noexcept {
   auto& attached = *static_cast<AttachedSource*>(self);
   while (!attached.stopping->load(std::memory_order_relaxed) && !attached.newest.ended) {
-    attached.newest =
-        attached.source.poll(attached.source.self, *attached.inlets, INT64_MAX, kPollTimeout_us);
+    attached.poll(INT64_MAX, kPollTimeout_us);
   }
 }
 
@@ -165,7 +173,7 @@ bool Engine::State::deliver_until(std::int64_t tick_us) noexcept {
     for (int i = 0; i < source_count; ++i) {
       AttachedSource& attached = sources[i];
       if (attached.newest.ended || attached.newest.watermark_us >= tick_us) continue;
-      attached.newest = attached.source.poll(attached.source.self, inlets, tick_us, 0);
+      attached.poll(tick_us, 0);
       waiting |= !attached.newest.ended && attached.newest.watermark_us < tick_us;
     }
     const std::uint64_t taken = pipeline.ingest(rings, tick_us, INT64_MAX);
@@ -218,6 +226,9 @@ bool Engine::tick() noexcept {
   count_ring(s.counted.imu, s.rings.imu);
   count_ring(s.counted.odometry, s.rings.odometry);
   count_ring(s.counted.poses, s.rings.poses);
+  s.counted.sources_lost = 0;
+  for (int i = 0; i < s.source_count; ++i)
+    s.counted.sources_lost += s.sources[i].lost.load(std::memory_order_relaxed);
   s.health.publish(s.counted);
   return true;
 }

@@ -250,3 +250,29 @@ TEST_CASE("samples of a clock gone wrong do not block the rings, and do not stop
   CHECK((frame.flags & ~static_cast<std::uint32_t>(kLateTick)) == 0);
   CHECK(frame.events > 0);
 }
+
+TEST_CASE("a lost device ends its source and shows in the health, on both clocks") {
+  int polls = 0;
+  Source lost;
+  lost.self = &polls;
+  lost.name = "unplugged";
+  lost.poll = [](void* self, Inlets&, std::int64_t, std::int64_t) noexcept -> Delivery {
+    ++*static_cast<int*>(self);
+    return {INT64_MIN, false, {StatusCode::kIo, "camera unplugged", 19}};
+  };
+  for (ClockKind clock : {ClockKind::kVirtual, ClockKind::kMonotonic}) {
+    polls = 0;
+    EngineInBlock engine(SlidingScene::config());
+    SceneSource scene;
+    scene.end_us = INT64_MAX / 4;
+    REQUIRE(engine->attach(lost).ok());
+    if (clock == ClockKind::kVirtual) REQUIRE(engine->attach(scene.source()).ok());
+    const Clock host = monotonic_clock();
+    const std::int64_t now_us = clock == ClockKind::kVirtual ? 0 : host.now_us(host.self);
+    REQUIRE(engine->start(clock, now_us + 50'000).ok());
+    for (int i = 0; i < 3; ++i) REQUIRE(engine->tick());
+    CHECK(engine->health().sources_lost == 1);
+    engine->stop();
+    CHECK(polls == 1);
+  }
+}
