@@ -33,7 +33,7 @@ struct LadderConfig {
   std::int32_t hypotheses = 64;  ///< 8..64, a multiple of 8
   double z_near_m = 2.0;         ///< nearest depth that must fit; with kParallax it limits the window's age
   double span_px = 40.0;         ///< kParallax only
-  double min_parallax_px = 2.0;  ///< at z_near; below it the frame carries kNoParallax
+  double min_parallax_px = 5.0;  ///< at z_near; below it the frame carries kNoParallax
 };
 
 struct WindowConfig {

@@ -10,7 +10,7 @@ constexpr std::uint32_t kPenaltyUnit =
     128;  // penalty of a hypothesis that is worse by the frame's mean contrast
 constexpr std::uint32_t kSmallestContrast = 128;
 constexpr std::uint32_t kLeastParallax_q4 =
-    2 * 16;                                  // less between first and last hypothesis: nothing to choose from
+    4 * 16;                                  // less between first and last hypothesis: nothing to choose from
 constexpr std::uint32_t kHalfTrust_q4 = 16;  // a parallax of one pixel halves the confidence
 
 struct Peak {

@@ -129,9 +129,9 @@ TEST_CASE("no parallax: standstill, pure rotation, and a crawl below the minimum
     config.kind = kind;
     CHECK_FALSE(choose_ladder(config, grid_346(), *constant_motion(0, 0, 0, 0, 200'000)).has_parallax);
     CHECK_FALSE(choose_ladder(config, grid_346(), *constant_motion(0, 0, 0, 1.5, 200'000)).has_parallax);
-    // 2 px at 2 m with f = 226 px in 0.2 s: 0.0885 m/s.
-    CHECK_FALSE(choose_ladder(config, grid_346(), *constant_motion(0.088, 0, 0, 0, 200'000)).has_parallax);
-    CHECK(choose_ladder(config, grid_346(), *constant_motion(0.089, 0, 0, 0, 200'000)).has_parallax);
+    // 5 px at 2 m with f = 226 px in 0.2 s: 0.221 m/s.
+    CHECK_FALSE(choose_ladder(config, grid_346(), *constant_motion(0.220, 0, 0, 0, 200'000)).has_parallax);
+    CHECK(choose_ladder(config, grid_346(), *constant_motion(0.2225, 0, 0, 0, 200'000)).has_parallax);
     config.min_parallax_px = 0;
     CHECK_FALSE(choose_ladder(config, grid_346(), *constant_motion(0, 0, 0, 1.5, 200'000)).has_parallax);
   }
