@@ -41,7 +41,8 @@ struct Tally {
     const double seconds = static_cast<double>(last_us - first_us) * 1e-6;
     facts.add("events", events).add("on_events", on).add("first_us", first_us).add("last_us", last_us);
     facts.add("duration_s", seconds)
-        .add("mean_events_per_s", seconds > 0 ? static_cast<std::int64_t>(static_cast<double>(events) / seconds) : 0)
+        .add("mean_events_per_s",
+             seconds > 0 ? static_cast<std::int64_t>(static_cast<double>(events) / seconds) : 0)
         .add("peak_events_per_s", most_in_span * (1000000 / kPeakSpanUs));
   }
 };

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "kernels/isa.hpp"
@@ -39,7 +40,8 @@ std::uint32_t mask_up_to(const std::string& name) {
   for (const Isa isa : kEveryIsa) {
     if (name != isa_name(isa)) continue;
     if (!has_isa(detect_isa(), isa)) {
-      throw recording::Error(recording::ExitCode::kUsage, "--isa", "this machine has no " + name + ". Leave --isa out to take the best it has.");
+      throw recording::Error(recording::ExitCode::kUsage, "--isa",
+                             "this machine has no " + name + ". Leave --isa out to take the best it has.");
     }
     return isa_bit(isa);
   }
@@ -63,8 +65,9 @@ void run(const Arguments& arguments) {
   if (!arguments.out.empty()) pictures.emplace(arguments.out, replay.config().ladder.z_near_m);
   const std::int64_t first_us = arguments.first_tick_us.value_or(replay.default_first_tick_us());
   if (first_us > replay.last_event_us()) {
-    throw recording::Error(recording::ExitCode::kNoEvents, "--first-tick-us " + std::to_string(first_us),
-                           "the last event is at " + std::to_string(replay.last_event_us()) + " us. Choose an earlier tick.");
+    throw recording::Error(
+        recording::ExitCode::kNoEvents, "--first-tick-us " + std::to_string(first_us),
+        "the last event is at " + std::to_string(replay.last_event_us()) + " us. Choose an earlier tick.");
   }
   replay.start(first_us);
 
@@ -79,17 +82,27 @@ void run(const Arguments& arguments) {
     if (!replay.tick(frame)) break;
     const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
     report.add(frame, spent.count());
-    if (const recording::DepthTruth* truth = replay.folder().truth_at(frame.t_us); truth != nullptr && recording::png_available()) {
-      report.add_truth(recording::frame_error(frame, recording::read_depth(*truth, replay.folder().camera).pixels));
+    std::vector<float> truth_m;
+    const recording::DepthTruth* truth = replay.folder().truth_at(frame.t_us);
+    if (truth != nullptr && recording::png_available()) {
+      truth_m = recording::read_depth(*truth, replay.folder().camera).pixels;
+      report.add_truth(recording::frame_error(frame, truth_m));
     }
-    if (pictures) pictures->write(frame, replay.config().camera.intrinsics, replay.events_between(before_us, frame.t_us));
+    if (pictures) {
+      pictures->write(frame, replay.config().camera.intrinsics, replay.events_between(before_us, frame.t_us),
+                      truth_m);
+    }
     before_us = frame.t_us;
     progress.show(static_cast<std::size_t>(frame.t_us - first_us) + 1, span_us);
   }
 
   Json summary = report.summary(replay);
-  if (pictures) summary.add("pictures", arguments.out);
-  if (pictures) recording::write_text_file(std::filesystem::path(arguments.out) / "report.json", summary.json() + "\n");
+  if (pictures) {
+    const std::filesystem::path out = arguments.out;
+    pictures->write_overview();
+    summary.add("pictures", arguments.out).add("look_at_first", (out / "overview.png").string());
+    recording::write_text_file(out / "report.json", summary.json() + "\n");
+  }
   if (!arguments.golden.empty()) recording::write_text_file(arguments.golden, report.golden_text(replay));
   std::puts((arguments.json ? summary.json() : summary.text()).c_str());
 }
@@ -97,30 +110,43 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_replay(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("replay", "run a recording through the engine: one depth map per tick");
+  CLI::App* command =
+      program.add_subcommand("replay", "run a recording through the engine: one depth map per tick");
   auto a = std::make_shared<Arguments>();
   command->add_option("RECORDING", a->recording, "recording folder (see docs/formats.md)")->required();
   command->add_option("--rate", a->rate_hz, "ticks per second (default: camera.toml)");
-  command->add_option("--first-tick-us", a->first_tick_us, "time of the first tick (default: first depth truth, or one period after the first event)");
+  command->add_option(
+      "--first-tick-us", a->first_tick_us,
+      "time of the first tick (default: first depth truth, or one period after the first event)");
   command->add_option("--ticks", a->max_ticks, "stop after so many ticks")->check(CLI::PositiveNumber);
-  command->add_option("--backend", a->backend, "where depth comes from")->check(CLI::IsMember({"focus"}))->capture_default_str();
-  const std::map<std::string, FocusCost> costs{{"gradient", FocusCost::kGradient}, {"variance", FocusCost::kVariance},
-                                               {"sosa", FocusCost::kSosa}, {"soe", FocusCost::kSoe}, {"sti", FocusCost::kSti}};
-  command->add_option("--cost", a->cost, "focus cost: gradient, variance, sosa, soe, sti (default: camera.toml)")
+  command->add_option("--backend", a->backend, "where depth comes from")
+      ->check(CLI::IsMember({"focus"}))
+      ->capture_default_str();
+  const std::map<std::string, FocusCost> costs{{"gradient", FocusCost::kGradient},
+                                               {"variance", FocusCost::kVariance},
+                                               {"sosa", FocusCost::kSosa},
+                                               {"soe", FocusCost::kSoe},
+                                               {"sti", FocusCost::kSti}};
+  command
+      ->add_option("--cost", a->cost, "focus cost: gradient, variance, sosa, soe, sti (default: camera.toml)")
       ->transform(CLI::CheckedTransformer(costs).description(""));
-  const std::map<std::string, MotionSource> sources{{"odometry", MotionSource::kOdometry}, {"poses", MotionSource::kPoses}};
+  const std::map<std::string, MotionSource> sources{{"odometry", MotionSource::kOdometry},
+                                                    {"poses", MotionSource::kPoses}};
   command->add_option("--motion", a->motion, "motion source: odometry, poses (default: camera.toml)")
       ->transform(CLI::CheckedTransformer(sources).description(""));
   command->add_flag("--no-smoothing", a->no_smoothing, "argmax alone, without semi-global smoothing");
   command->add_option("--threads", a->threads, "workers, 1..8; the result is the same");
-  command->add_option("--isa", a->isa, "force one instruction set: scalar, sse41, avx2, avx512, neon; the result is the same");
+  command->add_option("--isa", a->isa,
+                      "force one instruction set: scalar, sse41, avx2, avx512, neon; the result is the same");
   command->add_option("--out", a->out, "folder for pictures and report.json");
-  command->add_option("--golden", a->golden, "write the machine-independent text (hash per frame, counts, health) here");
+  command->add_option("--golden", a->golden,
+                      "write the machine-independent text (hash per frame, counts, health) here");
   command->add_flag("--json", a->json, "summary as JSON");
-  command->footer("Examples:\n"
-                  "  egofocus replay fixtures/planes --out out/planes\n"
-                  "  egofocus replay out/slider --first-tick-us 174156 --cost variance --json\n"
-                  "tick_ms is the time of one tick on this machine: ingest, ego-motion, warp, focus, depth.");
+  command->footer(
+      "Examples:\n"
+      "  egofocus replay fixtures/planes --out out/planes\n"
+      "  egofocus replay out/slider --first-tick-us 174156 --cost variance --json\n"
+      "tick_ms is the time of one tick on this machine: ingest, ego-motion, warp, focus, depth.");
   command->callback([a] { run(*a); });
 }
 

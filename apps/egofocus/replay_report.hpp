@@ -1,4 +1,5 @@
-// What a replay has to say: a line per tick that any machine prints alike, and a summary with this machine's times.
+// What a replay has to say: a line per tick that any machine prints alike, and a summary with this machine's
+// times.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +27,8 @@ class ReplayReport {
 
   [[nodiscard]] std::size_t ticks() const { return milliseconds_.size(); }
 
-  /// Deterministic: one line per tick, then counts and health. The same bytes on every machine, ISA and thread count;
-  /// what tests/golden holds.
+  /// Deterministic: one line per tick, then counts and health. The same bytes on every machine, ISA and
+  /// thread count; what tests/golden holds.
   [[nodiscard]] std::string golden_text(recording::Replay& replay) const;
 
   /// Everything, times included.

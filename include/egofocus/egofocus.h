@@ -240,8 +240,8 @@ typedef struct egofocus_health {
   egofocus_sample_counters imu, odometry, poses;
   egofocus_window_counters window;
   egofocus_tick_counters ticks;
-  uint32_t refused; /* what the system refused at start: 1 priority, 2 memory lock, 4 CPU pin */
-  uint32_t reserved;
+  uint32_t refused;      /* what the system refused at start: 1 priority, 2 memory lock, 4 CPU pin */
+  uint32_t sources_lost; /* attached sources whose poll ended with an error */
 } egofocus_health;
 
 /* --- the engine --------------------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ class EGOFOCUS_API Engine {
 
   /// One step: ingest -> ego-motion -> warp -> focus -> depth, and publication. A frame is published each
   /// time. Returns false, and does nothing, when all attached sources ended before the tick's time
-  /// (kVirtual), or after request_stop(). RT: yes.
+  /// (kVirtual), after request_stop(), and when the engine is not started. RT: yes.
   bool tick() noexcept;
 
   /// The newest published frame; false before the first. RT: yes.

@@ -32,7 +32,7 @@ struct EventCounters {
   std::uint64_t out_of_range = 0;  ///< x or y outside the sensor
   std::uint64_t out_of_order = 0;  ///< older than its predecessor
   std::uint64_t ahead = 0;         ///< kMonotonic: more than a second after the tick, a clock gone wrong
-  std::uint64_t late = 0;          ///< arrived after its tick had run
+  std::uint64_t late = 0;          ///< arrived after its tick had run, or a time before -2^60 us
   std::uint64_t hot_pixel = 0;
   std::uint64_t refractory = 0;
   std::uint64_t isolated = 0;
@@ -40,10 +40,11 @@ struct EventCounters {
 };
 
 struct SampleCounters {
-  std::uint64_t in = 0;
+  std::uint64_t in = 0;  ///< offered to the ring
   std::uint64_t ring_dropped = 0;
   std::uint64_t late = 0;
-  std::uint64_t invalid = 0;  ///< not finite, or beyond the configured plausible range
+  /// Not finite, or beyond the configured plausible range; kMonotonic: more than a second after the tick.
+  std::uint64_t invalid = 0;
   std::uint64_t used = 0;
   std::uint64_t rejected = 0;  ///< failed the innovation gate of the ego-motion filter (also in used)
 };
@@ -52,7 +53,7 @@ struct WindowCounters {
   std::uint64_t outside_motion = 0;  ///< events of a window that lie before the first motion sample
   std::uint64_t decimated = 0;       ///< events left out of a warp because the window held more than N
   std::uint64_t behind_camera =
-      0;  ///< event-hypothesis pairs without a vote: point behind the reference view
+      0;  ///< event-hypothesis pairs without a vote: point behind the reference view, or far off any grid
 };
 
 struct TickCounters {
@@ -82,10 +83,14 @@ struct Health {
   WindowCounters window;
   TickCounters ticks;
   std::uint32_t refused = 0;  ///< RealTimeRefusal bits
+  std::uint32_t sources_lost =
+      0;  ///< attached sources whose poll() ended with an error, such as a lost device
 };
 
 /// Static texts, for logs and tables. Thread: any. RT: yes.
 EGOFOCUS_API const char* to_string(RunState state) noexcept;
 EGOFOCUS_API const char* to_string(Cause cause) noexcept;
+/// One bit: what was refused, and the remedy.
+EGOFOCUS_API const char* to_string(RealTimeRefusal refusal) noexcept;
 
 }  // namespace egofocus

@@ -30,7 +30,7 @@ class Arena {
   template <typename T>
   std::span<T> array(std::size_t n) noexcept {
     static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);
-    std::byte* at = take(n * sizeof(T));
+    std::byte* at = take(n <= SIZE_MAX / sizeof(T) ? n * sizeof(T) : SIZE_MAX);
     if (at == nullptr) return {};
     T* first = reinterpret_cast<T*>(at);
     for (std::size_t i = 0; i < n; ++i) new (static_cast<void*>(first + i)) T{};
@@ -48,6 +48,12 @@ class Arena {
  private:
   std::byte* take(std::size_t bytes) noexcept {
     const std::size_t at = used_;
+    const std::size_t most = SIZE_MAX / kAlignment * kAlignment;
+    // More than the address space (32-bit machines): the sum sticks at the top, and no block is that large.
+    if (bytes > most - at) {
+      used_ = most;
+      return nullptr;
+    }
     used_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
     if (base_ == nullptr || used_ > size_) return nullptr;
     return base_ + at;

@@ -5,8 +5,8 @@
 
 namespace egofocus {
 
-/// A clock and its two functions. `sleep_until_us` returns at or after the time, or early when `stop` becomes
-/// true. Thread: any. RT: yes (the sleep is bounded by its argument).
+/// A clock and its two functions. `sleep_until_us` returns at or after the time. Thread: any. RT: yes (the
+/// sleep is bounded by its argument).
 struct Clock {
   void* self = nullptr;
   std::int64_t (*now_us)(void* self) noexcept = nullptr;

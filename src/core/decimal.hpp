@@ -28,8 +28,8 @@ bool to_double(const Decimal& number, double& value) noexcept;
 /// does not fit into int64.
 bool to_microseconds(const Decimal& seconds, std::int64_t& t_us) noexcept;
 
-/// Seconds -> microseconds, exactly: the nearest whole number, halves away from zero. False if it does not fit
-/// into int64.
+/// Seconds -> microseconds, exactly: the nearest whole number, halves away from zero. False if it does not
+/// fit into int64.
 bool to_nearest_microsecond(const Decimal& seconds, std::int64_t& t_us) noexcept;
 
 }  // namespace egofocus

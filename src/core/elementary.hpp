@@ -3,6 +3,8 @@
 // relative or absolute). Thread: any. RT: yes.
 #pragma once
 
+#include <cstdint>
+
 namespace egofocus {
 
 /// IEEE square root (an instruction, never a library call). Precondition: x >= 0.
@@ -25,5 +27,13 @@ double exponential(double x) noexcept;
 
 /// Largest integer <= x, for |x| < 2^53.
 double floor_of(double x) noexcept;
+
+/// x without its fraction, for a Status: any double at all has an answer (NaN: 0; beyond +-10^18: that
+/// bound).
+constexpr std::int64_t status_value(double x) noexcept {
+  constexpr double kLargest = 1e18;
+  if (!(x > -kLargest)) return x <= -kLargest ? static_cast<std::int64_t>(-kLargest) : 0;
+  return static_cast<std::int64_t>(x < kLargest ? x : kLargest);
+}
 
 }  // namespace egofocus

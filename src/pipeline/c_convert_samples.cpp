@@ -108,7 +108,7 @@ DepthFrame pixels_from_c(const egofocus_depth_frame& c) noexcept {
 }
 
 egofocus_health health_to_c(const Health& health) noexcept {
-  const auto& [state, cause, events, imu, odometry, poses, window, ticks, refused] = health;
+  const auto& [state, cause, events, imu, odometry, poses, window, ticks, refused, sources_lost] = health;
   return {static_cast<std::int32_t>(state),
           static_cast<std::int32_t>(cause),
           to_c(events),
@@ -118,7 +118,7 @@ egofocus_health health_to_c(const Health& health) noexcept {
           to_c(window),
           to_c(ticks),
           refused,
-          0};
+          sources_lost};
 }
 
 }  // namespace egofocus

@@ -29,14 +29,23 @@ struct AttachedSource {
   Inlets* inlets = nullptr;
   const std::atomic<bool>* stopping = nullptr;
   RtThread thread;
+  bool started = false;
+  std::atomic<bool> lost{false};
+
+  // An error of the transport ends the source and is counted: nothing more comes, and nobody waits for it.
+  void poll(std::int64_t until_us, std::int64_t timeout_us) noexcept {
+    newest = source.poll(source.self, *inlets, until_us, timeout_us);
+    if (newest.status.ok()) return;
+    newest.ended = true;
+    lost.store(true, std::memory_order_relaxed);
+  }
 };
 
 // A live source: polled on its own thread, each wait bounded.
 void poll_until_stopped(void* self) noexcept {
   auto& attached = *static_cast<AttachedSource*>(self);
   while (!attached.stopping->load(std::memory_order_relaxed) && !attached.newest.ended) {
-    attached.newest =
-        attached.source.poll(attached.source.self, *attached.inlets, INT64_MAX, kPollTimeout_us);
+    attached.poll(INT64_MAX, kPollTimeout_us);
   }
 }
 
@@ -130,7 +139,7 @@ Status Engine::start(ClockKind clock, std::int64_t first_tick_us) noexcept {
   s.clock = monotonic_clock();
   s.stopping.store(false, std::memory_order_relaxed);
   s.scheduler.start(s.config.rate, first_tick_us);
-  const RealTimeConfig& rt = s.config.real_time;
+  const RealTimeConfig rt = clock == ClockKind::kMonotonic ? s.config.real_time : RealTimeConfig{};
   if (rt.lock_memory) s.counted.refused |= lock_memory();
   if (Status status = s.pool.start(s.config.threads, rt.fifo_priority, rt.cpu); !status.ok()) return status;
   s.started = true;  // from here on stop() cleans up
@@ -139,6 +148,7 @@ Status Engine::start(ClockKind clock, std::int64_t first_tick_us) noexcept {
     attached.newest = {};
     Status status;
     if (attached.source.start != nullptr) status = attached.source.start(attached.source.self);
+    attached.started = status.ok();
     if (status.ok() && clock == ClockKind::kMonotonic) {
       status = attached.thread.start({"egofocus-in", rt.fifo_priority, -1}, poll_until_stopped, &attached);
     }
@@ -163,7 +173,7 @@ bool Engine::State::deliver_until(std::int64_t tick_us) noexcept {
     for (int i = 0; i < source_count; ++i) {
       AttachedSource& attached = sources[i];
       if (attached.newest.ended || attached.newest.watermark_us >= tick_us) continue;
-      attached.newest = attached.source.poll(attached.source.self, inlets, tick_us, 0);
+      attached.poll(tick_us, 0);
       waiting |= !attached.newest.ended && attached.newest.watermark_us < tick_us;
     }
     const std::uint64_t taken = pipeline.ingest(rings, tick_us, INT64_MAX);
@@ -176,7 +186,9 @@ bool Engine::State::deliver_until(std::int64_t tick_us) noexcept {
 }
 
 bool Engine::tick() noexcept {
+  if (state_ == nullptr || !state_->started) return false;
   State& s = *state_;
+  if (s.stopping.load(std::memory_order_relaxed)) return false;
   const std::int64_t tick_us = s.scheduler.tick_us();
   std::int64_t late_us = 0;
   if (s.clock_kind == ClockKind::kVirtual) {
@@ -214,6 +226,9 @@ bool Engine::tick() noexcept {
   count_ring(s.counted.imu, s.rings.imu);
   count_ring(s.counted.odometry, s.rings.odometry);
   count_ring(s.counted.poses, s.rings.poses);
+  s.counted.sources_lost = 0;
+  for (int i = 0; i < s.source_count; ++i)
+    s.counted.sources_lost += s.sources[i].lost.load(std::memory_order_relaxed);
   s.health.publish(s.counted);
   return true;
 }
@@ -251,8 +266,10 @@ void Engine::stop() noexcept {
   State& s = *state_;
   s.stopping.store(true, std::memory_order_relaxed);
   for (int i = 0; i < s.source_count; ++i) {
-    s.sources[i].thread.join();
-    if (s.sources[i].source.stop != nullptr) s.sources[i].source.stop(s.sources[i].source.self);
+    AttachedSource& attached = s.sources[i];
+    attached.thread.join();
+    if (attached.started && attached.source.stop != nullptr) attached.source.stop(attached.source.self);
+    attached.started = false;
   }
   s.pool.stop();
   s.started = false;

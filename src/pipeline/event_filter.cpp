@@ -20,6 +20,11 @@ Status EventFilter::check(const Config& config) noexcept {
   if (f.hot_pixel_rate_hz > 0 && (f.hot_pixel_learn_us < 1000 || f.hot_pixel_learn_us > 60'000'000)) {
     return {StatusCode::kBadFilter, "filter.hot_pixel_learn_us", f.hot_pixel_learn_us, 60'000'000};
   }
+  if (f.hot_pixel_rate_hz > 0 && f.hot_pixel_rate_hz * f.hot_pixel_learn_us < 1'000'000) {
+    // Less than one event in the time of learning: every pixel would be hot.
+    return {StatusCode::kBadFilter, "filter.hot_pixel_rate_hz is too low for hot_pixel_learn_us",
+            f.hot_pixel_rate_hz};
+  }
   for (const Pixel& pixel : f.hot_pixels) {
     if (pixel.x >= config.camera.intrinsics.width_px)
       return {StatusCode::kBadFilter, "filter.hot_pixels x", pixel.x};
@@ -64,17 +69,15 @@ bool EventFilter::keep(const Event& event) noexcept {
     ++counters_.hot_pixel;
     return false;
   }
-  if (!last_kept_us_.empty()) {
-    if (event.t_us - last_kept_us_[pixel] < config_.refractory_us) {
-      ++counters_.refractory;
-      return false;
-    }
-    last_kept_us_[pixel] = event.t_us;
+  if (!last_kept_us_.empty() && event.t_us - last_kept_us_[pixel] < config_.refractory_us) {
+    ++counters_.refractory;
+    return false;
   }
   if (!last_seen_us_.empty() && is_isolated(event)) {
     ++counters_.isolated;
     return false;
   }
+  if (!last_kept_us_.empty()) last_kept_us_[pixel] = event.t_us;
   ++counters_.kept;
   return true;
 }

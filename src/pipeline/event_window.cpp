@@ -21,6 +21,8 @@ EventWindow::EventWindow(const WindowConfig& config, Arena& arena) noexcept
       events_(arena.array<WindowEvent>(static_cast<std::size_t>(config.max_events) * 4)) {}
 
 void EventWindow::add(const Event& event) noexcept {
+  // No window reaches across such a gap.
+  if (newest_us_ < event.t_us - max_age_us_) whole_from_ = added_;
   events_[static_cast<std::size_t>(added_ % events_.size())] = {static_cast<std::uint32_t>(event.t_us),
                                                                 event.x, event.y};
   ++added_;
@@ -31,16 +33,15 @@ EventWindow::Selection EventWindow::select(std::int64_t begin_us, std::int64_t e
   if (added_ == 0 || newest_us_ < begin_us || newest_us_ > end_us) return {};
   const std::int64_t oldest_us = begin_us > end_us - max_age_us_ ? begin_us : end_us - max_age_us_;
   const auto longest = static_cast<std::uint32_t>(end_us - oldest_us);
-  // Walk back until an event is too old. Stored times wrap, so one from long ago may look young: it then
-  // breaks the order of ages, which ends the walk too.
-  const std::uint64_t held = added_ < events_.size() ? added_ : events_.size();
+  // Walk back until an event is too old. Stored times wrap, but none of long ago can look young: since
+  // whole_from_ two neighbours are at most max_age_us apart, so the walk meets an age between `longest` and
+  // 2 * max_age_us, far below 2^32, before ages wrap.
+  const std::uint64_t since_gap = added_ - whole_from_;
+  const std::uint64_t held = since_gap < events_.size() ? since_gap : events_.size();
   std::uint64_t count = 0;
-  std::uint32_t age_before = 0;
   while (count < held) {
-    const std::uint32_t age =
-        age_us(events_[static_cast<std::size_t>((added_ - 1 - count) % events_.size())], end_us);
-    if (age > longest || age < age_before) break;
-    age_before = age;
+    const WindowEvent& event = events_[static_cast<std::size_t>((added_ - 1 - count) % events_.size())];
+    if (age_us(event, end_us) > longest) break;
     ++count;
   }
   Selection s;

@@ -55,6 +55,7 @@ class EventWindow {
   std::int64_t max_age_us_;
   std::span<WindowEvent> events_;
   std::uint64_t added_ = 0;
+  std::uint64_t whole_from_ = 0;  // number of the first event after the newest gap of more than max_age_us
   std::int64_t newest_us_ = INT64_MIN;
 };
 

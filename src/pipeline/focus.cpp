@@ -3,11 +3,15 @@
 namespace egofocus {
 namespace {
 
-// The runner-up must lie further than this from the best: nearer ones are the same peak.
+// The runner-up must lie further than this from the best: nearer ones are the same peak. A short ladder has
+// a shorter reach, so that there is always a runner-up.
 constexpr std::int32_t kPeakReach = 4;
 constexpr std::uint32_t kPenaltyUnit =
     128;  // penalty of a hypothesis that is worse by the frame's mean contrast
 constexpr std::uint32_t kSmallestContrast = 128;
+constexpr std::uint32_t kLeastParallax_q4 =
+    2 * 16;                                  // less between first and last hypothesis: nothing to choose from
+constexpr std::uint32_t kHalfTrust_q4 = 16;  // a parallax of one pixel halves the confidence
 
 struct Peak {
   std::int32_t best = 0;
@@ -21,9 +25,10 @@ Peak find_peak(const std::int32_t* score, std::int32_t hypotheses) noexcept {
   for (std::int32_t k = 1; k < hypotheses; ++k) {
     if (score[k] < score[peak.best]) peak.best = k;
   }
+  const std::int32_t reach = hypotheses / 4 < kPeakReach ? hypotheses / 4 : kPeakReach;
   std::int32_t runner_up = INT32_MAX;
   for (std::int32_t k = 0; k < hypotheses; ++k) {
-    const bool apart = k < peak.best - kPeakReach || k > peak.best + kPeakReach;
+    const bool apart = k < peak.best - reach || k > peak.best + reach;
     if (apart && score[k] < runner_up) runner_up = score[k];
   }
   peak.gap = runner_up - score[peak.best];
@@ -41,7 +46,8 @@ Peak find_peak(const std::int32_t* score, std::int32_t hypotheses) noexcept {
 
 Focus::Focus(const Config& config, int parts, Arena& arena) noexcept
     : config_(config.focus),
-      cells_(cell_grid(working_grid(config))),
+      grid_(working_grid(config)),
+      cells_(cell_grid(grid_)),
       hypotheses_(config.ladder.hypotheses),
       plane_cost_(config.focus, working_grid(config), parts, arena),
       smoothing_(config.focus.smoothing ? cells_ : CellGrid{}, hypotheses_, parts, arena) {
@@ -66,8 +72,12 @@ void Focus::run_step(WorkerPool& pool) noexcept {
            this);
 }
 
-CellDepth Focus::run(const Warp& warp, WorkerPool& pool) noexcept {
+CellDepth Focus::run(const Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+                     WorkerPool& pool) noexcept {
   warp_ = &warp;
+  used_ = ladder.count;
+  smoothing_.set_hypotheses(used_);
+  for (int i = 0; i < 3; ++i) full_baseline_[i] = baseline_m[i] * ladder.step_per_m * (used_ - 1);
   run_step<&Focus::costs>(pool);
   run_step<&Focus::contrast>(pool);
   std::uint64_t contrast_sum = 0;
@@ -94,7 +104,7 @@ CellDepth Focus::run(const Warp& warp, WorkerPool& pool) noexcept {
 }
 
 void Focus::costs(int part, int parts) noexcept {
-  for (std::int32_t k = hypotheses_ * part / parts; k < hypotheses_ * (part + 1) / parts; ++k) {
+  for (std::int32_t k = used_ * part / parts; k < used_ * (part + 1) / parts; ++k) {
     const std::size_t at = static_cast<std::size_t>(k) * cells_.size();
     plane_cost_.compute(*warp_, k, part, cost_.subspan(at, cells_.size()),
                         density_.subspan(at, cells_.size()));
@@ -112,7 +122,7 @@ void Focus::contrast(int part, int parts) noexcept {
   for (std::size_t begin = first; begin < last; begin += kBlock) {
     const std::size_t n = last - begin < kBlock ? last - begin : kBlock;
     for (std::size_t i = 0; i < n; ++i) best[i] = worst[i] = cost_[begin + i];
-    for (std::int32_t k = 1; k < hypotheses_; ++k) {
+    for (std::int32_t k = 1; k < used_; ++k) {
       const std::uint16_t* cost = cost_.data() + static_cast<std::size_t>(k) * cells_.size() + begin;
       for (std::size_t i = 0; i < n; ++i) {
         best[i] = cost[i] > best[i] ? cost[i] : best[i];
@@ -131,7 +141,7 @@ void Focus::contrast(int part, int parts) noexcept {
 void Focus::penalties(int part, int parts) noexcept {
   const std::size_t first = cells_.size() * static_cast<unsigned>(part) / static_cast<unsigned>(parts);
   const std::size_t last = cells_.size() * (static_cast<unsigned>(part) + 1) / static_cast<unsigned>(parts);
-  const auto depth = static_cast<std::size_t>(hypotheses_);
+  const auto depth = static_cast<std::size_t>(used_);
   for (std::size_t cell = first; cell < last; ++cell) {
     const std::uint32_t best = best_cost_[cell];
     for (std::size_t k = 0; k < depth; ++k) {
@@ -142,17 +152,26 @@ void Focus::penalties(int part, int parts) noexcept {
   }
 }
 
+// Displacement in 1/16 px between the first and the last hypothesis at a cell's centre.
+std::uint32_t Focus::full_parallax_q4(std::size_t cell) const noexcept {
+  const auto width = static_cast<std::size_t>(cells_.width);
+  const double u = 2.0 * static_cast<double>(cell % width) + 0.5;
+  const double v = 2.0 * static_cast<double>(cell / width) + 0.5;
+  const double px = displacement_px_m(grid_, full_baseline_, u, v);
+  return px < 1000.0 ? static_cast<std::uint32_t>(px * 16.0) : 16000u;
+}
+
 void Focus::decide(int part, int parts) noexcept {
   const std::size_t first = cells_.size() * static_cast<unsigned>(part) / static_cast<unsigned>(parts);
   const std::size_t last = cells_.size() * (static_cast<unsigned>(part) + 1) / static_cast<unsigned>(parts);
-  const auto depth = static_cast<std::size_t>(hypotheses_);
+  const auto depth = static_cast<std::size_t>(used_);
   std::int32_t score[64];
   for (std::size_t cell = first; cell < last; ++cell) {
     for (std::size_t k = 0; k < depth; ++k) {
       score[k] =
           config_.smoothing ? smoothing_.sums()[cell * depth + k] : 65535 - cost_[k * cells_.size() + cell];
     }
-    const Peak peak = find_peak(score, hypotheses_);
+    const Peak peak = find_peak(score, used_);
     index_q8_[cell] = static_cast<std::uint16_t>(peak.index_q8);
     // Both forms in penalty units: four summed paths, or one raw cost.
     const std::uint64_t gap = config_.smoothing
@@ -160,8 +179,15 @@ void Focus::decide(int part, int parts) noexcept {
                                   : (static_cast<std::uint64_t>(peak.gap) * penalty_scale_q16_) >> 16;
     const bool supported =
         density_[static_cast<std::size_t>(peak.best) * cells_.size() + cell] >= min_density_q8_;
-    const std::uint64_t scaled = gap + 1 < 255 ? gap + 1 : 255;
-    confidence_[cell] = supported ? static_cast<std::uint8_t>(scaled) : std::uint8_t{0};
+    // What stood out by chance where hardly anything moved is no depth: trust falls with the parallax at the
+    // peak.
+    const std::uint32_t full_q4 = full_parallax_q4(cell);
+    const std::uint64_t parallax_q4 =
+        static_cast<std::uint64_t>(full_q4) * index_q8_[cell] / (static_cast<unsigned>(used_ - 1) * 256u);
+    const std::uint64_t capped = gap < 254 ? gap : 254;
+    const std::uint64_t trust = capped * parallax_q4 / (parallax_q4 + kHalfTrust_q4) + 1;
+    const bool known = supported && full_q4 >= kLeastParallax_q4;
+    confidence_[cell] = known ? static_cast<std::uint8_t>(trust) : std::uint8_t{0};
   }
 }
 

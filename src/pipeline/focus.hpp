@@ -26,7 +26,10 @@ class Focus {
   Focus(const Config& config, int parts, Arena& arena) noexcept;
 
   /// Runs on the pool; the result is valid until the next call. Thread: the tick. RT: yes.
-  CellDepth run(const Warp& warp, WorkerPool& pool) noexcept;
+  /// `baseline_m` is the camera's centre at the window's begin, seen at its end: it says how much parallax
+  /// there really is at each cell.
+  CellDepth run(const Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+                WorkerPool& pool) noexcept;
 
  private:
   struct alignas(kCacheLine) PartSum {
@@ -36,10 +39,12 @@ class Focus {
   void contrast(int part, int parts) noexcept;
   void penalties(int part, int parts) noexcept;
   void decide(int part, int parts) noexcept;
+  [[nodiscard]] std::uint32_t full_parallax_q4(std::size_t cell) const noexcept;
   template <void (Focus::*kStep)(int, int) noexcept>
   void run_step(WorkerPool& pool) noexcept;
 
   FocusConfig config_;
+  Intrinsics grid_;
   CellGrid cells_;
   std::int32_t hypotheses_;
   std::uint32_t min_density_q8_;
@@ -54,6 +59,8 @@ class Focus {
   PartSum sums_[Warp::kMaxParts];
   std::uint32_t penalty_scale_q16_ = 0;
   const Warp* warp_ = nullptr;
+  std::int32_t used_ = 0;                // hypotheses of the tick, <= hypotheses_
+  double full_baseline_[3] = {0, 0, 0};  // baseline times the last hypothesis: without unit
 };
 
 }  // namespace egofocus

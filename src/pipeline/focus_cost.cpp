@@ -65,6 +65,9 @@ CellGrid cell_grid(const Intrinsics& grid) noexcept {
 }
 
 Status FocusCostPlane::check(const FocusConfig& config) noexcept {
+  if (config.cost > FocusCost::kSti) {
+    return {StatusCode::kBadFocus, "focus.cost (FocusCost)", static_cast<std::int64_t>(config.cost)};
+  }
   if (config.support_cells < 3 || config.support_cells > 15 || config.support_cells % 2 == 0) {
     return {StatusCode::kBadFocus, "focus.support_cells (odd, 3..15)", config.support_cells, 15};
   }

@@ -13,7 +13,8 @@
 //   sti       g = I T^2 / 64, T = mean time of the pixel's events, -127..127; in focus g is SMALL: A and J
 //   change sides,
 //             J = 84 (1 - exp(-l))
-// The linear parts in sosa and soe leave g = 0 for 0 and 1 events: only what piles up counts.
+// The linear parts in sosa and soe leave g = 0 for 0 and 1 events: only what piles up counts. Beyond 60
+// events soe's exponential goes on along its tangent, or it would not fit 32 bits.
 // Source: the four published costs (arXiv 2412.19067, ablation; Stoffregen and Kleeman, "Event cameras,
 // contrast maximization and reward functions", for SoSA and SoE), the normalisation is ours.
 #pragma once

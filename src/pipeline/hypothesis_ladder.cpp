@@ -21,6 +21,13 @@ double rms_displacement_px_m(const Intrinsics& grid, const double centre_m[3]) n
                      mean_square_px2(centre_m[1], centre_m[2], grid.fy_px, grid.cy_px, grid.height_px));
 }
 
+double displacement_px_m(const Intrinsics& grid, const double centre_m[3], double u_px,
+                         double v_px) noexcept {
+  const double du = grid.fx_px * centre_m[0] - centre_m[2] * (u_px - grid.cx_px);
+  const double dv = grid.fy_px * centre_m[1] - centre_m[2] * (v_px - grid.cy_px);
+  return square_root(du * du + dv * dv);
+}
+
 Status check_ladder(const LadderConfig& config) noexcept {
   if (config.hypotheses < 8 || config.hypotheses > 64 || config.hypotheses % 8 != 0) {
     return {StatusCode::kBadLadder, "ladder.hypotheses", config.hypotheses, 64};
@@ -54,7 +61,11 @@ HypothesisLadder choose_ladder(const LadderConfig& config, const Intrinsics& gri
   if (!ladder.has_parallax) return ladder;
   const double rho_max = parallax_ladder ? config.span_px / largest_px_m : 1.0 / config.z_near_m;
   ladder.step_per_m = rho_max / (config.hypotheses - 1);
-  ladder.parallax_px = rho_max * largest_px_m;
+  // One hypothesis beyond z_near, so that a peak there has neighbours on both sides; whole vectors of 8.
+  const double needed = floor_of(1.0 / (config.z_near_m * ladder.step_per_m)) + 3.0;
+  const std::int32_t whole = needed < 64.0 ? (static_cast<std::int32_t>(needed) + 7) / 8 * 8 : 64;
+  ladder.count = whole < config.hypotheses ? whole : config.hypotheses;
+  ladder.parallax_px = ladder.step_per_m * (ladder.count - 1) * largest_px_m;
   return ladder;
 }
 

@@ -19,8 +19,7 @@ void Pipeline::prepare(const Config& config) noexcept {
   warp_.prepare(config.camera);
 }
 
-// --- the algorithm
-// --------------------------------------------------------------------------------------------------
+// --- the algorithm -----------------------------------------------------------------------------------
 
 void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noexcept {
   DepthFrame& frame = out.frame;
@@ -55,9 +54,9 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
     if (!ladder.has_parallax) frame.flags |= kNoParallax;
     selection = window_.select(ladder.begin_us, tick_us);
   }
-  frame.events = selection.count;
-  if (has_motion && selection.count < static_cast<std::uint32_t>(config_.window.min_events))
-    frame.flags |= kTooFewEvents;
+  const bool too_few =
+      selection.count == 0 || selection.count < static_cast<std::uint32_t>(config_.window.min_events);
+  if (has_motion && too_few) frame.flags |= kTooFewEvents;
   window_counters_.decimated += selection.in_window - selection.count;
   if (ring_dropped_ != dropped_before_ || selection.in_window != selection.count) frame.flags |= kOverload;
   dropped_before_ = ring_dropped_;
@@ -80,8 +79,9 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
     pool.run([](void* context, int part,
                 int parts) noexcept { static_cast<Step*>(context)->self.warp_.vote(part, parts); },
              &step);
-    const CellDepth cells = focus_.run(warp_, pool);
+    const CellDepth cells = focus_.run(warp_, ladder, track_->knots[0].centre_m, pool);
     depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
+    frame.events = selection.count;
     frame.votes = warp_.votes();
     frame.inverse_depth_scale_per_m = ladder.step_per_m / 256.0;
     frame.parallax_px = ladder.parallax_px;
@@ -91,15 +91,14 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
     blank(out);
   }
   frame.age_us = last_depth_event_us_ == INT64_MIN ? INT64_MAX : tick_us - last_depth_event_us_;
-  conclude(frame.flags);
+  conclude(frame);
   last_tick_us_ = tick_us;
 }
 
-// --- in and out
-// -------------------------------------------------------------------------------------------------------
+// --- in and out --------------------------------------------------------------------------------------
 
 std::uint64_t Pipeline::ingest_events(SpscRing<Event>& ring, std::int64_t tick_us,
-                                      std::int64_t ahead_us) noexcept {
+                                      std::int64_t horizon_us) noexcept {
   std::uint64_t taken = 0;
   EventCounters& counters = filter_.counters();
   for (;;) {
@@ -108,7 +107,7 @@ std::uint64_t Pipeline::ingest_events(SpscRing<Event>& ring, std::int64_t tick_u
     for (; n < ready.size(); ++n) {
       const Event& event = ready[n];
       if (event.t_us > tick_us) {
-        if (event.t_us - tick_us <= ahead_us) break;
+        if (event.t_us <= horizon_us) break;
         ++counters.ahead;
       } else if (event.t_us <= last_tick_us_) {
         ++counters.late;
@@ -124,23 +123,31 @@ std::uint64_t Pipeline::ingest_events(SpscRing<Event>& ring, std::int64_t tick_u
 
 std::uint64_t Pipeline::ingest(Inlets::Rings& rings, std::int64_t tick_us, std::int64_t ahead_us) noexcept {
   ring_dropped_ = rings.events.dropped();
-  std::uint64_t taken = ingest_events(rings.events, tick_us, ahead_us);
-  const auto drain = [&](auto& ring) {
+  const std::int64_t horizon_us = tick_us > INT64_MAX - ahead_us ? INT64_MAX : tick_us + ahead_us;
+  std::uint64_t taken = ingest_events(rings.events, tick_us, horizon_us);
+  const auto drain = [&](auto& ring, std::uint64_t& ahead) {
     for (;;) {
       const auto ready = ring.peek(64);
       std::size_t n = 0;
       // The ego-motion sorts; what is newer than the tick waits in the ring, so that nothing depends on
       // arrival.
-      const auto due = [&](std::int64_t t_us) { return t_us <= tick_us || t_us - tick_us > ahead_us; };
-      while (n < ready.size() && due(ready[n].t_us)) ego_motion_->add(ready[n++]);
+      for (; n < ready.size(); ++n) {
+        if (ready[n].t_us > horizon_us) {
+          ++ahead;  // not for the ego-motion: it would wait there, and fill up what sorts
+        } else if (ready[n].t_us <= tick_us) {
+          ego_motion_->add(ready[n]);
+        } else {
+          break;
+        }
+      }
       ring.release(n);
       taken += n;
       if (n == 0 || n < ready.size()) return;
     }
   };
-  drain(rings.imu);
-  drain(rings.odometry);
-  drain(rings.poses);
+  drain(rings.imu, ahead_[0]);
+  drain(rings.odometry, ahead_[1]);
+  drain(rings.poses, ahead_[2]);
   return taken;
 }
 
@@ -162,7 +169,8 @@ void Pipeline::blank(FrameSlot& out) noexcept {
   for (std::uint8_t& v : out.confidence) v = 0;
 }
 
-void Pipeline::conclude(std::uint32_t flags) noexcept {
+void Pipeline::conclude(const DepthFrame& frame) noexcept {
+  const std::uint32_t flags = frame.flags;
   ++tick_counters_.run;
   if (flags & kNoParallax) ++tick_counters_.no_parallax;
   if (flags & kTooFewEvents) ++tick_counters_.too_few_events;
@@ -178,6 +186,9 @@ void Pipeline::conclude(std::uint32_t flags) noexcept {
   } else if (flags & kNoParallax) {
     state_ = RunState::kStalled;
     cause_ = Cause::kNoParallax;
+  } else if (frame.events == 0) {
+    state_ = RunState::kStalled;
+    cause_ = Cause::kNoEvents;
   } else if (flags & kStaleVelocity) {
     state_ = RunState::kDegraded;
     cause_ = Cause::kStaleVelocity;
@@ -200,6 +211,9 @@ void Pipeline::report(Health& health) const noexcept {
   health.imu = ego_motion_->imu_counters();
   health.odometry = ego_motion_->odometry_counters();
   health.poses = ego_motion_->pose_counters();
+  health.imu.invalid += ahead_[0];
+  health.odometry.invalid += ahead_[1];
+  health.poses.invalid += ahead_[2];
   health.window = window_counters_;
   const TickCounters scheduled = health.ticks;
   health.ticks = tick_counters_;

@@ -46,11 +46,14 @@ class Pipeline {
   [[nodiscard]] std::int64_t newest_event_us() const noexcept { return window_.newest_us(); }
 
  private:
-  std::uint64_t ingest_events(SpscRing<Event>& ring, std::int64_t tick_us, std::int64_t ahead_us) noexcept;
+  // Older time stamps are garbage; so far from the ends that differences of times never overflow.
+  static constexpr std::int64_t kBeginOfTime_us = -(std::int64_t{1} << 60);
+
+  std::uint64_t ingest_events(SpscRing<Event>& ring, std::int64_t tick_us, std::int64_t horizon_us) noexcept;
   void count_outside_motion(std::int64_t oldest_us, std::int64_t known_from_us,
                             std::int64_t tick_us) noexcept;
   void blank(FrameSlot& out) noexcept;
-  void conclude(std::uint32_t flags) noexcept;
+  void conclude(const DepthFrame& frame) noexcept;
 
   Config config_;
   Intrinsics grid_;
@@ -62,11 +65,12 @@ class Pipeline {
   Focus focus_;
   DepthDecode depth_decode_;
 
-  std::int64_t last_tick_us_ = INT64_MIN;
+  std::int64_t last_tick_us_ = kBeginOfTime_us;
   std::int64_t last_depth_event_us_ = INT64_MIN;
   std::uint64_t dropped_before_ = 0;
   std::uint64_t ring_dropped_ = 0;
-  std::uint64_t outside_until_ = 0;  // events up to this number are already counted as outside the motion
+  std::uint64_t ahead_[3] = {0, 0, 0};  // samples of IMU, odometry, poses too far in the future
+  std::uint64_t outside_until_ = 0;     // events up to this number are already counted as outside the motion
   WindowCounters window_counters_;
   TickCounters tick_counters_;
   RunState state_ = RunState::kWaiting;

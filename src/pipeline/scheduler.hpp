@@ -16,7 +16,8 @@ class Scheduler {
  public:
   static Status check(const RateConfig& config) noexcept;
 
-  /// Periods that are no whole number of microseconds are kept exactly: t_k = t_0 + floor(k * 10^6 / rate).
+  /// Periods that are no whole number of microseconds are kept exactly: t_k = t_0 + floor(k * 10^6 / rate),
+  /// where the quotient is one IEEE division: exact to the microsecond as long as k * 10^6 < 2^53.
   void start(const RateConfig& config, std::int64_t first_tick_us) noexcept;
 
   [[nodiscard]] std::int64_t tick_us() const noexcept { return at(index_); }
@@ -37,7 +38,7 @@ class Scheduler {
   [[nodiscard]] std::int64_t at(std::uint64_t index) const noexcept;
 
   std::int64_t first_us_ = 0;
-  std::int64_t period_ns_ = 50'000'000;
+  double rate_hz_ = 20;
   std::int64_t lateness_us_ = 0;
   std::uint64_t index_ = 0;
 };

@@ -20,6 +20,9 @@ class SemiGlobal {
 
   SemiGlobal(CellGrid cells, std::int32_t hypotheses, int parts, Arena& arena) noexcept;
 
+  /// Fewer hypotheses than the storage was made for. Thread: the tick, before the passes. RT: yes.
+  void set_hypotheses(std::int32_t hypotheses) noexcept { hypotheses_ = hypotheses; }
+
   /// `penalty[cell * hypotheses + k]`, 0..255, small is good. Fills the sums of both horizontal paths for the
   /// rows of `part`, then (a second pass, after all parts of the first) adds both vertical ones for the
   /// columns of `part`. Sums are at most 4 * (255 + P2). Parts may run at once. RT: yes.

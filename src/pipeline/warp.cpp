@@ -43,7 +43,8 @@ LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsic
   // Behind the reference camera: k * step * c_z >= 1.
   while (k_end > 0 && (k_end - 1) * step_per_m * c_z >= 1.0) --k_end;
   const double largest = kMaxPosition_px / hypotheses;
-  if (!(absolute(du) < largest && absolute(dv) < largest)) {  // leaves any grid after hypothesis 0
+  // More than 125 px from one hypothesis to the next: nothing to compare, and it could leave the Q16 range.
+  if (!(absolute(du) < largest && absolute(dv) < largest)) {
     du = 0;
     dv = 0;
     k_end = k_end < 1 ? k_end : 1;
@@ -67,6 +68,7 @@ Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexc
   lines_.k_end = arena.array<std::uint8_t>(events);
   lines_.time_u8 = arena.array<std::uint8_t>(events);
   stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
+  for (int i = 0; i < config.threads; ++i) scratch_[i] = arena.array<std::uint32_t>(pixels_);
 }
 
 void Warp::prepare(const CameraModel& camera) noexcept {
@@ -78,6 +80,7 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
   if (part == 0) {
     lines_.count = static_cast<std::int32_t>(selection.count);
     parts_ = parts;
+    used_ = ladder.count;
   }
   const std::uint64_t n = selection.count;
   const auto first =
@@ -98,21 +101,21 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
     const MotionKnot motion = interpolate(track.knots[knot], track.knots[knot + 1], at - knot);
     const Ray& ray =
         rays_[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(sensor_width_) + event.x];
-    const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, hypotheses_);
+    const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, ladder.count);
     lines_.u_q16[i] = line.u_q16;
     lines_.v_q16[i] = line.v_q16;
     lines_.du_q16[i] = line.du_q16;
     lines_.dv_q16[i] = line.dv_q16;
     lines_.k_end[i] = static_cast<std::uint8_t>(line.k_end);
     lines_.time_u8[i] = static_cast<std::uint8_t>(length_us > 0 ? since_us * 255 / length_us : 255);
-    behind += static_cast<std::uint64_t>(hypotheses_ - line.k_end);
+    behind += static_cast<std::uint64_t>(ladder.count - line.k_end);
   }
   counts_[part].behind_camera = behind;
 }
 
 void Warp::vote(int part, int parts) noexcept {
-  const std::int32_t first = hypotheses_ * part / parts;
-  const std::int32_t last = hypotheses_ * (part + 1) / parts;
+  const std::int32_t first = used_ * part / parts;
+  const std::int32_t last = used_ * (part + 1) / parts;
   const std::span<std::uint8_t> mine = stack_.subspan(static_cast<std::size_t>(first) * pixels_,
                                                       static_cast<std::size_t>(last - first) * pixels_);
   __builtin_memset(mine.data(), 0, mine.size());
@@ -130,6 +133,7 @@ void Warp::vote(int part, int parts) noexcept {
   vote.row_stride = grid_.width_px;
   vote.plane_stride = static_cast<std::int64_t>(pixels_);
   vote.stack = mine.data();
+  vote.scratch = scratch_[part].data();
   counts_[part].votes = static_cast<std::uint64_t>(vote_(vote));
 }
 

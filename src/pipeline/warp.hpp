@@ -43,8 +43,8 @@ class Warp {
  public:
   static constexpr int kMaxParts = 8;
 
-  /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event) and the stack (1 byte per
-  /// hypothesis and grid pixel) from the arena.
+  /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event), the stack (1 byte per
+  /// hypothesis and grid pixel) and the kernel's scratch (4 bytes per grid pixel and thread) from the arena.
   Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
 
   /// Fills the ray table. RT: no (set-up).
@@ -65,7 +65,8 @@ class Warp {
   [[nodiscard]] std::span<const std::uint8_t> plane(std::int32_t k) const noexcept {
     return stack_.subspan(static_cast<std::size_t>(k) * pixels_, pixels_);
   }
-  [[nodiscard]] std::int32_t hypotheses() const noexcept { return hypotheses_; }
+  /// Hypotheses of the last project(): planes 0 .. used() - 1 are filled by vote().
+  [[nodiscard]] std::int32_t used() const noexcept { return used_; }
 
  private:
   struct alignas(kCacheLine) PartCount {
@@ -81,8 +82,10 @@ class Warp {
   std::span<Ray> rays_;
   LandingLines lines_;
   std::span<std::uint8_t> stack_;
+  std::span<std::uint32_t> scratch_[kMaxParts];  // the vote kernel's, all zero between calls
   PartCount counts_[kMaxParts];
   int parts_ = 1;
+  std::int32_t used_ = 0;  // hypotheses of the tick, <= hypotheses_
 };
 
 }  // namespace egofocus

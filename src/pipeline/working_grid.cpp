@@ -23,11 +23,10 @@ Status check_pinhole(const Intrinsics& in, const char* size, const char* focal, 
   const double smallest = 0.08 * in.width_px;
   const double largest = 30.0 * in.width_px;
   for (const double f : {in.fx_px, in.fy_px}) {
-    if (!(f >= smallest && f <= largest))
-      return {StatusCode::kBadIntrinsics, focal, static_cast<std::int64_t>(f)};
+    if (!(f >= smallest && f <= largest)) return {StatusCode::kBadIntrinsics, focal, status_value(f)};
   }
   const bool inside = in.cx_px >= 0 && in.cx_px <= in.width_px && in.cy_px >= 0 && in.cy_px <= in.height_px;
-  if (!inside) return {StatusCode::kBadIntrinsics, centre, static_cast<std::int64_t>(in.cx_px)};
+  if (!inside) return {StatusCode::kBadIntrinsics, centre, status_value(in.cx_px)};
   return {};
 }
 

@@ -45,7 +45,8 @@ Replay::Replay(Folder folder) : folder_(std::move(folder)) {
   scan_events();
   require(Engine::required_arena(config(), arena_bytes_), camera);
   arena_.reset(std::aligned_alloc(64, arena_bytes_));
-  if (!arena_) throw Error(ExitCode::kInternal, "no memory for an arena of " + std::to_string(arena_bytes_) + " bytes");
+  if (!arena_)
+    throw Error(ExitCode::kInternal, "no memory for an arena of " + std::to_string(arena_bytes_) + " bytes");
   require(engine_.configure(config(), {static_cast<std::byte*>(arena_.get()), arena_bytes_}), camera);
   source_ = std::make_unique<ReplaySource>(streams);
   require(engine_.attach(source_->source()), "replay", ExitCode::kInternal);
@@ -59,9 +60,9 @@ void Replay::scan_events() {
   const Intrinsics& camera = config().camera.intrinsics;
   if (header.size.width_px != camera.width_px || header.size.height_px != camera.height_px) {
     throw Error(ExitCode::kConfiguration, (folder_.path / "camera.toml").string(),
-                "says " + std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) + " px, but " + where + " is " +
-                    std::to_string(header.size.width_px) + "x" + std::to_string(header.size.height_px) +
-                    ". Use the calibration of this sensor.");
+                "says " + std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) +
+                    " px, but " + where + " is " + std::to_string(header.size.width_px) + "x" +
+                    std::to_string(header.size.height_px) + ". Use the calibration of this sensor.");
   }
   reader_.left = folder_.events.bytes().subspan(header.header_bytes);
   reader_.decoder = std::make_unique<EvtDecoder>(header.format, header.size);
@@ -75,7 +76,8 @@ void Replay::scan_events() {
     left = left.subspan(done.consumed);
     if (done.produced == 0) break;
   }
-  if (event_count_ == 0) throw Error(ExitCode::kNoEvents, where, "holds no events. Was the recording stopped too early?");
+  if (event_count_ == 0)
+    throw Error(ExitCode::kNoEvents, where, "holds no events. Was the recording stopped too early?");
 }
 
 std::int64_t Replay::default_first_tick_us() const {
@@ -100,7 +102,8 @@ std::span<const Event> Replay::events_between(std::int64_t first_us, std::int64_
     const Decoded done = r.decoder->feed(r.left, batch);
     if (done.produced == 0) break;
     r.left = r.left.subspan(done.consumed);
-    r.events.insert(r.events.end(), batch.begin(), batch.begin() + static_cast<std::ptrdiff_t>(done.produced));
+    r.events.insert(r.events.end(), batch.begin(),
+                    batch.begin() + static_cast<std::ptrdiff_t>(done.produced));
   }
   const auto after = [](std::int64_t t_us, const Event& event) { return t_us < event.t_us; };
   const auto begin = std::upper_bound(r.events.begin(), r.events.end(), first_us, after);

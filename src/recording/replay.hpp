@@ -21,8 +21,8 @@ namespace egofocus::recording {
 /// Throws Error with the Status's text when it is not ok.
 void require(const Status& status, const std::string& where, ExitCode code = ExitCode::kConfiguration);
 
-/// An engine with its arena, its recording and its replay source, under the virtual clock. Not for real time: the
-/// set-up uses the heap. Move-free, since the engine refers to the source.
+/// An engine with its arena, its recording and its replay source, under the virtual clock. Not for real time:
+/// the set-up uses the heap. Move-free, since the engine refers to the source.
 class Replay {
  public:
   /// `folder.camera.config` is the configuration; change it before. Throws Error.
@@ -30,8 +30,8 @@ class Replay {
   Replay(const Replay&) = delete;
   Replay& operator=(const Replay&) = delete;
 
-  /// Where the tick grid begins when nobody says otherwise: the first depth truth; without truth the first whole
-  /// period after the first event.
+  /// Where the tick grid begins when nobody says otherwise: the first depth truth; without truth the first
+  /// whole period after the first event.
   [[nodiscard]] std::int64_t default_first_tick_us() const;
 
   void start(std::int64_t first_tick_us);

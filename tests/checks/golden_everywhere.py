@@ -21,8 +21,12 @@ def main():
             continue
         golden = [case for case in xml.parse(report).getroot().iter("testcase") if "golden" in case.get("name")]
         passed = [case for case in golden if case.get("status") == "run"]
-        print(f"{run}: {len(passed)} of {len(golden)} golden tests passed")
-        if not golden or len(passed) < len(golden):
+        # An instruction set that this machine lacks is named, not failed.
+        skipped = [case.get("name") for case in golden
+                   if case.get("status") == "notrun" and case.get("name").startswith("golden_part_")]
+        print(f"{run}: {len(passed)} of {len(golden)} golden tests passed" +
+              (f"; not exercised here: {', '.join(skipped)}" if skipped else ""))
+        if not passed or len(passed) + len(skipped) < len(golden):
             print(f"error: {run}: the golden replay did not pass here")
             bad += 1
     return 1 if bad else 0

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <catch2/catch.hpp>
-#include <cstring>
 #include <cstdint>
+#include <cstring>
 #include <initializer_list>
 #include <memory>
 #include <string>

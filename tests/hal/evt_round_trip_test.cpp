@@ -67,7 +67,7 @@ TEST_CASE("EVT: random events survive the round trip") {
       GENERATE(EvtFormat::kEvt2, EvtFormat::kEvt21, EvtFormat::kEvt21Legacy, EvtFormat::kEvt3);
   const std::int64_t longest_us =
       GENERATE(std::int64_t{2}, std::int64_t{3000}, std::int64_t{100'000'000}, std::int64_t{20'000'000'000});
-  const unsigned seed = GENERATE(1, 2, 3);
+  const unsigned seed = GENERATE(1u, 2u, 3u);
   CAPTURE(to_string(format), longest_us, seed);
   const Events events = random_events(seed, 3000, longest_us);
   const std::size_t room = 8 + 8 * (seed - 1) * 50;

@@ -48,7 +48,8 @@ TEST_CASE("each section reaches its field") {
           "[ladder]\nkind = \"metric\"\nhypotheses = 32\n[window]\nmax_age_us = 123\n"
           "[filter]\nrefractory_us = 7\n[motion]\nsource = \"poses\"\nmodel = \"wheeled\"\ncamera_in_body_m "
           "= [1, 2, 3]\n"
-          "[focus]\ncost = \"sti\"\nsupport_cells = 7\nsmoothing = false\n[rate]\nrate_hz = 40\n[rings]\nevents = 131072\n"
+          "[focus]\ncost = \"sti\"\nsupport_cells = 7\nsmoothing = false\n[rate]\nrate_hz = "
+          "40\n[rings]\nevents = 131072\n"
           "[depth]\nscale_m = 0.002\n[can]\ndbc = \"a.dbc\"\ngyro_axes = [\"y\", \"-x\", \"z\"]\n"
           "[[can.signals]]\nmessage = \"M\"\nsignal = \"S\"\nrole = \"wheel_speed\"\nunit = \"km/h\"\nscale "
           "= -1\n"
@@ -156,7 +157,8 @@ TEST_CASE("each mistake in [can] is named, too") {
 TEST_CASE("the example of docs/formats.md is a good file") {
   const std::string page = read_text_file(EGOFOCUS_SOURCE_DIR "/docs/formats.md");
   const std::size_t begin = page.find("```toml\n") + 8;
-  const CameraFile file = parse_camera_toml(page.substr(begin, page.find("```", begin) - begin), "formats.md");
+  const CameraFile file =
+      parse_camera_toml(page.substr(begin, page.find("```", begin) - begin), "formats.md");
   CHECK(file.config.motion.model == MotionModel::kWheeled);
   CHECK(file.can.motion.signal_count == 2);
   CHECK(file.can.motion.gyro_axes.from[2] == -3);
