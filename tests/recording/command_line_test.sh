@@ -35,7 +35,7 @@ run 2 'subcommand is required'
 run 2 'Run with --help' frobnicate
 run 2 'FILE is required' info
 run 3 'nowhere: cannot be read' info "$work/nowhere"
-run 0 '"events": 451473,' info "$fixtures/planes" --json
+run 0 '"events": 408074,' info "$fixtures/planes" --json
 run 0 'BODY_MOTION' info "$fixtures/planes/vehicle.dbc"
 run 0 'kind +poses' info "$fixtures/planes/poses.txt"
 

@@ -59,18 +59,18 @@ TEST_CASE("the depth of a slanted plane is the analytic one") {
 
 TEST_CASE("the wall of the standard scene is where it should be") {
   PlaneSimulator simulator;
-  // The camera stands 0.1 m before the body's origin; the wall is 6 m from it. Forward motion brings it
+  // The camera stands 0.1 m before the body's origin; the wall is 3.8 m from it. Forward motion brings it
   // nearer.
-  CHECK(simulator.depth(0).at(0, 0) == 5900);
+  CHECK(simulator.depth(0).at(0, 0) == 3700);
   const std::int64_t end_of_forward = simulator.phases()[2].end_us;
   const double x = simulator.trajectory().pose_at(end_of_forward).position[0];
-  CHECK(x > 0.4);
+  CHECK(x > 0.6);
   const recording::Grey16Picture later = simulator.depth(end_of_forward);
   CHECK(*std::max_element(later.pixels.begin(), later.pixels.end()) ==
-        static_cast<int>((6.0 - x) * 1000 + 0.5));
+        static_cast<int>((3.8 - x) * 1000 + 0.5));
   // Nearer things are there as well.
   const recording::Grey16Picture depth = simulator.depth(700000);
-  CHECK(*std::min_element(depth.pixels.begin(), depth.pixels.end()) < 1500);
+  CHECK(*std::min_element(depth.pixels.begin(), depth.pixels.end()) < 1700);
 }
 
 TEST_CASE("points move as the motion field says") {
@@ -96,8 +96,10 @@ TEST_CASE("points move as the motion field says") {
 
 TEST_CASE("a pixel's events follow its brightness, with exact references") {
   SensorFaults faults;
+  faults.threshold = 0.2;
   faults.threshold_spread = 0;
   faults.noise_hz = 0;
+  faults.readout_us = 1;
   EventSensor sensor({1, 1, 1, 1, 0, 0}, faults, 3);
   std::vector<Event> events;
   const double views[] = {0.0, 1.0, 0.0};
@@ -113,7 +115,7 @@ TEST_CASE("a pixel's events follow its brightness, with exact references") {
 
 TEST_CASE("the standard recording's events are sane") {
   PlaneSimulator simulator;
-  const std::int64_t until = 1000000;
+  const std::int64_t until = 800000;
   const std::vector<Event> events = simulator.events(until);
   CHECK(std::is_sorted(events.begin(), events.end(),
                        [](const Event& a, const Event& b) { return a.t_us < b.t_us; }));
@@ -121,12 +123,13 @@ TEST_CASE("the standard recording's events are sane") {
   for (const Event& event : events) {
     REQUIRE(event.x < 240);
     REQUIRE(event.y < 180);
+    REQUIRE(event.t_us % SensorFaults{}.readout_us == 0);
     on += event.polarity;
   }
   // Standing still: noise alone, 0.02 Hz of 43,200 pixels. Moving sideways: edges everywhere.
-  const double still = static_cast<double>(count_between(events, 0, 600000)) / 0.6;
+  const double still = static_cast<double>(count_between(events, 0, 400000)) / 0.4;
   CHECK(still == Approx(0.02 * 43200).epsilon(0.02));
-  const double moving = static_cast<double>(count_between(events, 700000, until)) / 0.3;
+  const double moving = static_cast<double>(count_between(events, 600000, until)) / 0.2;
   CHECK(moving > 100e3);
   CHECK(moving < 500e3);
   const double share = static_cast<double>(on) / static_cast<double>(events.size());
@@ -136,17 +139,17 @@ TEST_CASE("the standard recording's events are sane") {
 
 TEST_CASE("the wall's events focus at its true depth and nowhere else") {
   PlaneSimulator simulator;
-  constexpr std::int64_t kFrom = 900000;
-  constexpr std::int64_t kTo = 1100000;
+  constexpr std::int64_t kFrom = 600000;
+  constexpr std::int64_t kTo = 800000;
   const std::vector<Event> events = simulator.events(kTo);
   const recording::Grey16Picture before = simulator.depth(kFrom);
   const recording::Grey16Picture after = simulator.depth(kTo);
   const std::vector<Ray> rays = pixel_rays(simulator.camera().config.camera);
   // Far enough from the rectangles that none of their events can land here.
   const auto is_wall = [&](int u, int v) {
-    if (u < 8 || u >= 232 || v < 0 || v >= 180) return false;
-    for (int i = u - 8; i <= u + 8; ++i) {
-      if (before.at(i, v) < 5800 || after.at(i, v) < 5800) return false;
+    if (u < 14 || u >= 226 || v < 0 || v >= 180) return false;
+    for (int i = u - 14; i <= u + 14; ++i) {
+      if (before.at(i, v) < 3650 || after.at(i, v) < 3650) return false;
     }
     return true;
   };
@@ -155,7 +158,7 @@ TEST_CASE("the wall's events focus at its true depth and nowhere else") {
     for (const Event& event : events) {
       if (event.t_us < kFrom) continue;
       const Ray ray = rays[static_cast<std::size_t>(event.y * 240 + event.x)];
-      const double x = ray.x - 0.70 * 1e-6 * static_cast<double>(kTo - event.t_us) / wall_m;
+      const double x = ray.x - 1.00 * 1e-6 * static_cast<double>(kTo - event.t_us) / wall_m;
       const int u = static_cast<int>(floor_of(x * 200.0 + 121.5 + 0.5));
       const int v = static_cast<int>(floor_of(ray.y * 199.0 + 88.5 + 0.5));
       if (is_wall(u, v)) ++votes[static_cast<std::size_t>(v * 240 + u)];
@@ -164,8 +167,8 @@ TEST_CASE("the wall's events focus at its true depth and nowhere else") {
     for (const int n : votes) squares += static_cast<double>(n) * n;
     return squares;
   };
-  const double best = sharpness(5.9);
-  for (const double wrong : {3.0, 4.0, 5.0, 7.0, 9.0, 12.0}) {
+  const double best = sharpness(3.7);
+  for (const double wrong : {2.0, 2.5, 3.1, 4.4, 6.0, 9.0}) {
     CAPTURE(wrong);
     CHECK(sharpness(wrong) < 0.97 * best);
   }

@@ -101,7 +101,7 @@ TEST_CASE("the fixture's CAN log says what the trajectory does") {
       const ImuSample& imu = samples.imu[i];
       if (imu.has_accel) {
         ++forces;
-        if (imu.t_us < 500000) CHECK(imu.accel_m_s2[2] == Approx(9.80665).margin(0.4));
+        if (imu.t_us < 400000) CHECK(imu.accel_m_s2[2] == Approx(9.80665).margin(0.4));
         continue;
       }
       ++gyros;
@@ -124,10 +124,10 @@ TEST_CASE("the fixture's CAN log says what the trajectory does") {
     }
   }
   CHECK(lines.counters().unknown == 0);
-  CHECK(gyros == 561);
-  CHECK(forces == 561);
-  CHECK(velocities == 141);
-  for (const double sum : velocity_error) CHECK(sum / 141 == Approx(0).margin(0.002));
+  CHECK(gyros == 431);
+  CHECK(forces == 431);
+  CHECK(velocities == 108);
+  for (const double sum : velocity_error) CHECK(sum / 108 == Approx(0).margin(0.002));
 }
 
 TEST_CASE("the fixture stays small") {

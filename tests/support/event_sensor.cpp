@@ -38,7 +38,7 @@ EventSensor::EventSensor(const Intrinsics& size, const SensorFaults& faults, std
 
 Event EventSensor::event_at(std::size_t index, std::int64_t t_us, bool on) const {
   Event event;
-  event.t_us = t_us;
+  event.t_us = t_us - t_us % faults_.readout_us;
   event.x = static_cast<std::uint16_t>(index % width_px_);
   event.y = static_cast<std::uint16_t>(index / width_px_);
   event.polarity = on ? 1 : 0;

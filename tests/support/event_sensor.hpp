@@ -12,9 +12,10 @@
 namespace egofocus::sim {
 
 struct SensorFaults {
-  double threshold = 0.2;          ///< in log intensity
+  double threshold = 0.34;         ///< in log intensity
   double threshold_spread = 0.03;  ///< 1-sigma over the pixels, relative; ON and OFF apart
   double noise_hz = 0.02;          ///< events per pixel and second without cause
+  std::int64_t readout_us = 250;  ///< time stamps are multiples of it, rounded down; views come at such times
 };
 
 /// Normalised direction of a pixel.

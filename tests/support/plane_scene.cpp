@@ -44,10 +44,9 @@ Rectangle facing(const Vec3& centre, double half_width_m, double half_height_m, 
 
 PlaneScene PlaneScene::standard(std::uint64_t seed) {
   return PlaneScene(
-      {facing({6.0, 0, 0}, 1e3, 1e3, 0, 0), facing({1.6, 0.45, -0.25}, 0.30, 0.28, 0.25, 0),
-       facing({2.0, -0.70, 0.28}, 0.36, 0.28, -0.3, 0.1), facing({2.4, 0.35, 0.60}, 0.50, 0.26, 0, -0.2),
-       facing({3.2, -0.30, -0.75}, 0.90, 0.40, 0, 0.3), facing({4.2, 1.50, 0.40}, 0.70, 0.80, 0.2, 0),
-       facing({4.5, -1.90, -0.20}, 0.70, 0.90, -0.2, 0)},
+      {facing({3.8, 0, 0}, 1e3, 1e3, 0, 0), facing({1.75, 0.22, -0.30}, 0.42, 0.30, 0.2, 0),
+       facing({2.0, -0.78, 0.26}, 0.48, 0.40, -0.2, 0), facing({2.2, 0.45, 0.52}, 0.55, 0.36, 0, -0.15),
+       facing({2.6, -0.60, -0.75}, 0.80, 0.45, 0, 0.15), facing({2.9, 1.45, 0.00}, 0.55, 0.90, 0.15, 0)},
       seed);
 }
 
@@ -67,7 +66,7 @@ PlaneScene::Texture PlaneScene::make_texture(double texels_per_m, std::uint64_t 
       const auto noise = [&](int cell) {
         return lattice_noise(x, y, cell, kTextureSide, seed * 64u + static_cast<std::uint64_t>(cell));
       };
-      const double level = 0.50 * blotch(noise(16)) + 0.15 * blotch(noise(8)) + 0.10 * noise(4);
+      const double level = 0.30 * blotch(noise(16)) + 0.40 * blotch(noise(8)) + 0.40 * blotch(noise(4));
       texture.log_intensity.push_back(static_cast<float>(level));
     }
   }

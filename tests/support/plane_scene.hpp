@@ -31,7 +31,8 @@ struct Hit {
 
 class PlaneScene {
  public:
-  /// Six rectangles between 1.6 and 4.5 m and a wall at 6 m, seen from near the origin.
+  /// Five rectangles between 1.75 and 2.9 m and a wall at 3.8 m, seen from near the origin; detail
+  /// everywhere.
   static PlaneScene standard(std::uint64_t seed);
 
   PlaneScene(std::vector<Rectangle> rectangles, std::uint64_t seed);

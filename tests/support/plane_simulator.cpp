@@ -13,8 +13,8 @@ recording::CameraFile make_camera() {
   const double coefficients[5] = {-0.15, 0.08, 0.0004, -0.0003, 0};
   for (int i = 0; i < 5; ++i) camera.coefficients[i] = coefficients[i];
   file.config.grid = camera.intrinsics;
-  file.config.ladder.z_near_m = 0.9;
-  file.config.ladder.span_px = 40;  // the wall moves 5 px in a window, the nearest rectangle 20
+  file.config.ladder.z_near_m = 0.95;
+  file.config.ladder.span_px = 40;  // sideways, the wall moves 10 px in a window, the nearest rectangle 28
   file.config.motion.source = MotionSource::kOdometry;
   for (int i = 0; i < 3; ++i)
     file.config.motion.camera_in_body_m[i] = kLeverArmM[static_cast<std::size_t>(i)];
@@ -29,11 +29,11 @@ CameraPose start_pose() {
 }
 
 std::vector<Phase> make_phases() {
-  return {{600000, {}},
-          {600000, {{0.70, 0, 0}, {0, 0, 0}}},
-          {500000, {{0, 0, 1.00}, {0, 0, 0}}},
-          {500000, {{-0.75, 0.10, 0.10}, {0.05, -0.40, 0.20}}},
-          {300000, {{0, 0, 0}, {-0.10, 0.60, -0.30}}},
+  return {{400000, {}},
+          {400000, {{1.00, 0, 0}, {0, 0, 0}}},
+          {350000, {{0, 0, 1.75}, {0, 0, 0}}},
+          {350000, {{-1.00, 0.15, 0.20}, {0.05, -0.12, 0.20}}},
+          {350000, {{0, 0, 0}, {-0.05, 0.35, -0.20}}},
           {300000, {}}};
 }
 

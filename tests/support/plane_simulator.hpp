@@ -31,7 +31,7 @@ class PlaneSimulator {
 
   explicit PlaneSimulator(std::uint64_t seed = 1);
 
-  /// Standstill, lateral, forward, mixed, pure rotation, standstill: 2.8 s.
+  /// Standstill, lateral, forward, mixed, pure rotation, standstill: 2.15 s.
   [[nodiscard]] static std::vector<PhaseSpan> phases();
 
   [[nodiscard]] const recording::CameraFile& camera() const { return camera_; }
