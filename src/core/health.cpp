@@ -40,8 +40,10 @@ const char* to_string(RealTimeRefusal refusal) noexcept {
   switch (refusal) {
     case kRefusedPriority:
       return "SCHED_FIFO was refused: give the process CAP_SYS_NICE or raise rtprio in limits.conf";
-    case kRefusedMemoryLock: return "mlockall was refused: raise memlock in limits.conf";
-    case kRefusedPin: return "the CPU pin was refused: choose a processor that exists and is allowed";
+    case kRefusedMemoryLock:
+      return "mlockall was refused: raise memlock in limits.conf";
+    case kRefusedPin:
+      return "the CPU pin was refused: choose a processor that exists and is allowed";
   }
   return "unknown";
 }
