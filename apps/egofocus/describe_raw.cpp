@@ -65,9 +65,7 @@ Json describe_raw(std::span<const std::byte> file, const std::string& name) {
   }
   EvtDecoder decoder(header.format, header.size);
   std::span<const std::byte> rest = file.subspan(header.header_bytes);
-  const std::size_t word_bytes =
-      header.format == EvtFormat::kEvt3 ? 2 : (header.format == EvtFormat::kEvt2 ? 4 : 8);
-  const std::size_t cut_off_bytes = rest.size() % word_bytes;
+  const std::size_t cut_off_bytes = rest.size() % word_bytes(header.format);
   std::vector<Event> block(1u << 14);
   Tally tally;
   for (Decoded step; !rest.empty() || step.produced == block.size(); rest = rest.subspan(step.consumed)) {

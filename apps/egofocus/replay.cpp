@@ -56,6 +56,18 @@ void apply(const Arguments& arguments, Config& config) {
   if (!arguments.isa.empty()) config.isa_mask = mask_up_to(arguments.isa);
 }
 
+/// A log that holds nothing usable is found only by running: not one tick knew how the camera moved.
+void check_motion(recording::Replay& replay) {
+  const TickCounters ticks = replay.engine().health().ticks;
+  if (ticks.run == 0 || ticks.no_motion < ticks.run) return;
+  const bool poses = replay.config().motion.source == MotionSource::kPoses;
+  throw recording::Error(
+      recording::ExitCode::kMotion, (replay.folder().path / (poses ? "poses.txt" : "can.log")).string(),
+      "no motion before any of the " + std::to_string(ticks.run) + " ticks. " +
+          (poses ? "Choose a later tick with --first-tick-us."
+                 : "Is it a `candump -L` log with the frames that camera.toml and the DBC name?"));
+}
+
 void run(const Arguments& arguments) {
   recording::Folder folder = recording::open_folder(arguments.recording, arguments.motion);
   apply(arguments, folder.camera.config);
@@ -95,6 +107,8 @@ void run(const Arguments& arguments) {
     before_us = frame.t_us;
     progress.show(static_cast<std::size_t>(frame.t_us - first_us) + 1, span_us);
   }
+
+  check_motion(replay);
 
   Json summary = report.summary(replay);
   if (pictures) {

@@ -69,13 +69,20 @@ Json tick_facts(const TickCounters& t) {
       .add("no_motion", t.no_motion);
 }
 
-Json file_facts(const ReplayCounters& c) {
+Json file_facts(const recording::Replay& replay) {
+  const ReplayCounters c = replay.counters();
+  std::uint64_t violations = 0;
+  for (const std::uint64_t count : c.events.violations) violations += count;
   return Json()
+      .add("cut_off_bytes", replay.cut_off_bytes())
+      .add("event_stream_violations", violations)
       .add("events_dropped_in_decoding", c.events.dropped_events)
+      .add("can_lines_unknown", c.can_log.unknown + c.can_log.over_long)
       .add("can_frames", c.can_motion.frames)
       .add("can_frames_unknown", c.can_motion.frames_unknown)
       .add("can_samples_invalid", c.can_motion.samples_invalid)
-      .add("can_samples_incomplete", c.can_motion.samples_incomplete);
+      .add("can_samples_incomplete", c.can_motion.samples_incomplete)
+      .add("pose_lines_unusable", c.poses.malformed + c.poses.bad_quaternion + c.poses.over_long);
 }
 
 Json health_facts(recording::Replay& replay) {
@@ -89,7 +96,7 @@ Json health_facts(recording::Replay& replay) {
       .add("poses", sample_facts(health.poses))
       .add("ticks", tick_facts(health.ticks))
       .add("sources_lost", health.sources_lost)
-      .add("files", file_facts(replay.counters()));
+      .add("files", file_facts(replay));
 }
 
 std::string hash_text(std::uint64_t hash) {

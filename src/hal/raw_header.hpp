@@ -13,6 +13,11 @@ namespace egofocus {
 
 enum class EvtFormat : std::uint8_t { kEvt2, kEvt21, kEvt21Legacy, kEvt3 };
 
+/// A word of the format: a file that ends inside one was cut off. Thread: any. RT: yes.
+constexpr std::size_t word_bytes(EvtFormat format) noexcept {
+  return format == EvtFormat::kEvt3 ? 2 : (format == EvtFormat::kEvt2 ? 4 : 8);
+}
+
 /// "EVT2", "EVT2.1", "EVT2.1 (legacy order)", "EVT3". Thread: any. RT: yes.
 const char* to_string(EvtFormat format) noexcept;
 

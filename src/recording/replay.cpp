@@ -66,6 +66,7 @@ void Replay::scan_events() {
   }
   reader_.left = folder_.events.bytes().subspan(header.header_bytes);
   reader_.decoder = std::make_unique<EvtDecoder>(header.format, header.size);
+  cut_off_bytes_ = reader_.left.size() % word_bytes(header.format);
   EvtDecoder scanner(header.format, header.size);
   std::vector<Event> batch(kBatch);
   for (std::span<const std::byte> left = reader_.left;;) {

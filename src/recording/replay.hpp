@@ -50,6 +50,8 @@ class Replay {
   [[nodiscard]] std::int64_t first_event_us() const { return first_event_us_; }
   [[nodiscard]] std::int64_t last_event_us() const { return last_event_us_; }
   [[nodiscard]] std::uint64_t event_count() const { return event_count_; }
+  /// Bytes of the last word of events.raw when the file ends inside it.
+  [[nodiscard]] std::size_t cut_off_bytes() const { return cut_off_bytes_; }
 
  private:
   void scan_events();
@@ -72,6 +74,7 @@ class Replay {
   std::int64_t first_event_us_ = 0;
   std::int64_t last_event_us_ = 0;
   std::uint64_t event_count_ = 0;
+  std::size_t cut_off_bytes_ = 0;
   std::size_t arena_bytes_ = 0;
   std::unique_ptr<void, FreeArena> arena_;
   Engine engine_;  // last: it goes first

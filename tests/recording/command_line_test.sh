@@ -3,31 +3,8 @@
 program=$1
 fixtures=$2
 shift 2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
-
-# expect CODE PATTERN ARGUMENT...: the exit code, and an extended pattern in what it prints.
-expect() {
-  code=$1
-  pattern=$2
-  shift 2
-  "$@" >"$work/output" 2>&1
-  got=$?
-  if [ "$got" -ne "$code" ] || ! grep -Eq "$pattern" "$work/output"; then
-    echo "FAILED: $* (exit $got, wanted $code; wanted text: $pattern)"
-    sed 's/^/  | /' "$work/output"
-    failures=$((failures + 1))
-  fi
-}
-
-run() {
-  code=$1
-  pattern=$2
-  shift 2
-  expect "$code" "$pattern" $emulator "$program" "$@"
-}
 emulator=$*
+. "$(dirname "$0")/expect.sh"
 
 run 0 'Examples:' --help
 run 0 '^egofocus [0-9]+\.[0-9]+' --version
@@ -59,5 +36,4 @@ run 3 'neither events.txt' convert "$work/folder" "$work/out"
 run 2 'must look like' convert "$work/folder" "$work/out" --size 24
 run 2 'number of seconds' convert "$work/folder" "$work/out" --t0 noon
 
-[ "$failures" -eq 0 ] && echo "all passed"
-exit "$failures"
+finish
