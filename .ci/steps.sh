@@ -169,6 +169,7 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
   set -u
   cd "$(dirname "$0")/.." || exit 1
   JOBS=$(nproc)
+  export PATH="/usr/bin:$PATH" # the system's python3 and compilers, whatever else stands first
   command -v ccache >/dev/null && export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
   export CLICOLOR_FORCE=0 GTEST_COLOR=no NINJA_STATUS='[%f/%t] ' LC_ALL=C
   "step_$1"
