@@ -170,6 +170,8 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
   cd "$(dirname "$0")/.." || exit 1
   JOBS=$(nproc)
   export PATH="/usr/bin:$PATH" # the system's python3 and compilers, whatever else stands first
+  # A clone in another folder finds the objects of the last one.
+  export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
   command -v ccache >/dev/null && export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
   export CLICOLOR_FORCE=0 GTEST_COLOR=no NINJA_STATUS='[%f/%t] ' LC_ALL=C
   "step_$1"

@@ -2,11 +2,12 @@
 #include "hal/can_bench.hpp"
 #include "hal/candump_decoder.hpp"
 #include "hal/dbc_files.hpp"
+#include "support/source_dir.hpp"
 
 using namespace egofocus;
 
 TEST_CASE("can: the fixture's log becomes motion, no frame is lost") {
-  const std::string folder = EGOFOCUS_SOURCE_DIR "/fixtures/planes/";
+  const std::string folder = egofocus::test::source_dir() + "/fixtures/planes/";
   const auto text_of = [&](const char* name) {
     std::ifstream file(folder + name, std::ios::binary);
     REQUIRE(file.good());

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "hal/dbc.hpp"
+#include "support/source_dir.hpp"
 
 inline std::unique_ptr<egofocus::Dbc> read_dbc_text(const std::string& text) {
   auto dbc = std::make_unique<egofocus::Dbc>();
@@ -21,7 +22,7 @@ inline std::unique_ptr<egofocus::Dbc> read_dbc_text(const std::string& text) {
 
 /// One of fixtures/dbc.
 inline std::unique_ptr<egofocus::Dbc> read_dbc_fixture(const std::string& name) {
-  std::ifstream file(EGOFOCUS_SOURCE_DIR "/fixtures/dbc/" + name, std::ios::binary);
+  std::ifstream file(egofocus::test::source_dir() + "/fixtures/dbc/" + name, std::ios::binary);
   REQUIRE(file.good());
   return read_dbc_text({std::istreambuf_iterator<char>(file), {}});
 }

@@ -11,6 +11,7 @@
 #include "evt_words.hpp"
 #include "hal/evt3_decoder.hpp"
 #include "hal/evt_decoder.hpp"
+#include "support/source_dir.hpp"
 
 using namespace egofocus;
 using evt_words::Bytes;
@@ -19,7 +20,7 @@ namespace {
 
 std::string stream_path(const std::string& name) {
   const char* folder = std::getenv("EGOFOCUS_REAL_DATA");
-  return (folder != nullptr ? std::string(folder) : std::string(EGOFOCUS_SOURCE_DIR "/../shared/real")) +
+  return (folder != nullptr ? std::string(folder) : egofocus::test::source_dir() + "/../shared/real") +
          "/streams/" + name;
 }
 

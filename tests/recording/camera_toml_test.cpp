@@ -5,6 +5,7 @@
 
 #include "recording/error.hpp"
 #include "recording/text_file.hpp"
+#include "support/source_dir.hpp"
 
 using namespace egofocus;
 using namespace egofocus::recording;
@@ -155,7 +156,7 @@ TEST_CASE("each mistake in [can] is named, too") {
 }
 
 TEST_CASE("the example of docs/formats.md is a good file") {
-  const std::string page = read_text_file(EGOFOCUS_SOURCE_DIR "/docs/formats.md");
+  const std::string page = read_text_file(egofocus::test::source_dir() + "/docs/formats.md");
   const std::size_t begin = page.find("```toml\n") + 8;
   const CameraFile file =
       parse_camera_toml(page.substr(begin, page.find("```", begin) - begin), "formats.md");
@@ -165,7 +166,7 @@ TEST_CASE("the example of docs/formats.md is a good file") {
 }
 
 TEST_CASE("docs/formats.md names each key that can be set") {
-  const std::string page = read_text_file(EGOFOCUS_SOURCE_DIR "/docs/formats.md");
+  const std::string page = read_text_file(egofocus::test::source_dir() + "/docs/formats.md");
   CameraFile file = parse_camera_toml(kCamera, "camera.toml");
   file.config.grid = file.config.camera.intrinsics;
   file.can.motion.signal_count = 1;

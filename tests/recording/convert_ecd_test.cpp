@@ -9,6 +9,7 @@
 #include "recording/temporary_folder.hpp"
 #include "recording/text_events.hpp"
 #include "recording/text_file.hpp"
+#include "support/source_dir.hpp"
 
 using namespace egofocus;
 using namespace egofocus::recording;
@@ -147,7 +148,7 @@ TEST_CASE("a text set that cannot be converted says why") {
 
 TEST_CASE("the real slider converts without loss") {
   const char* given = std::getenv("EGOFOCUS_REAL_DATA");
-  const std::filesystem::path real = given ? given : EGOFOCUS_SOURCE_DIR "/../shared/real";
+  const std::filesystem::path real = given ? given : egofocus::test::source_dir() + "/../shared/real";
   if (!std::filesystem::exists(real / "slider_depth")) {
     WARN("no real recordings at " << real.string() << " (set EGOFOCUS_REAL_DATA): not exercised");
     return;

@@ -9,6 +9,7 @@
 #include "recording/depth_error.hpp"
 #include "recording/replay.hpp"
 #include "support/plane_simulator.hpp"
+#include "support/source_dir.hpp"
 #include "support/true_parallax.hpp"
 
 using namespace egofocus;
@@ -72,8 +73,8 @@ double velocity_error(const DepthFrame& frame, const sim::Vec3& truth) {
 void replay_fixture(MotionSource source, const char* name) {
   sim::PlaneSimulator simulator;
   const std::vector<PoseSample> poses = simulator.poses();
-  recording::Replay replay(
-      recording::open_folder(std::filesystem::path(EGOFOCUS_SOURCE_DIR) / "fixtures/planes", source));
+  recording::Replay replay(recording::open_folder(
+      std::filesystem::path(egofocus::test::source_dir()) / "fixtures/planes", source));
   replay.start(sim::PlaneSimulator::kTickPeriodUs);
 
   struct PhaseResult {

@@ -11,12 +11,14 @@
 #include "recording/png_io.hpp"
 #include "recording/text_file.hpp"
 #include "support/planes_recording.hpp"
+#include "support/source_dir.hpp"
 
 using namespace egofocus;
 
 namespace {
 
-const std::filesystem::path kFixture = std::filesystem::path(EGOFOCUS_SOURCE_DIR) / "fixtures/planes";
+const std::filesystem::path kFixture =
+    std::filesystem::path(egofocus::test::source_dir()) / "fixtures/planes";
 
 std::vector<Event> decode(std::span<const std::byte> file) {
   RawHeader header;

@@ -14,6 +14,7 @@
 #include "recording/replay.hpp"
 #include "recording/temporary_folder.hpp"
 #include "support/npz.hpp"
+#include "support/source_dir.hpp"
 
 using namespace egofocus;
 using namespace egofocus::recording;
@@ -25,7 +26,8 @@ constexpr std::size_t kConfident = 7000;
 
 std::filesystem::path slider_folder() {
   const char* given = std::getenv("EGOFOCUS_REAL_DATA");
-  return std::filesystem::path(given ? given : EGOFOCUS_SOURCE_DIR "/../shared/real") / "slider_depth";
+  return std::filesystem::path(given ? given : egofocus::test::source_dir() + "/../shared/real") /
+         "slider_depth";
 }
 
 struct Score {

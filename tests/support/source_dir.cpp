@@ -1,0 +1,7 @@
+#include "support/source_dir.hpp"
+
+namespace egofocus::test {
+std::string source_dir() {
+  return EGOFOCUS_SOURCE_DIR;
+}
+}  // namespace egofocus::test
