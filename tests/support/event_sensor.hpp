@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "egofocus/config.hpp"
-#include "support/random.hpp"
+#include "citysim/random.hpp"
 
 namespace egofocus::sim {
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "recording/number_text.hpp"
-#include "support/random.hpp"
+#include "citysim/random.hpp"
 
 namespace egofocus::sim {
 namespace {

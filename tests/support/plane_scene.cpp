@@ -1,6 +1,6 @@
 #include "support/plane_scene.hpp"
 
-#include "support/random.hpp"
+#include "citysim/random.hpp"
 
 namespace egofocus::sim {
 namespace {

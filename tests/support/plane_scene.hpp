@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "support/vec3.hpp"
+#include "citysim/vec3.hpp"
 
 namespace egofocus::sim {
 

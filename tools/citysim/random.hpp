@@ -2,6 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
+
+#include "citysim/logarithm.hpp"
+#include "core/elementary.hpp"
 
 namespace egofocus::sim {
 
@@ -16,10 +20,20 @@ inline std::uint64_t mix_bits(std::uint64_t x) {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(mix_bits(seed)) {}
+  /// A stream of its own for each use of a seed.
+  Random(std::uint64_t seed, std::string_view use) : state_(mix_bits(seed)) {
+    for (const char letter : use) state_ = mix_bits(state_ ^ static_cast<unsigned char>(letter));
+  }
 
   std::uint64_t bits() { return mix_bits(state_++); }
   /// [0, 1), a multiple of 2^-53.
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  /// Uniform in the logarithm; 0 < low < high.
+  double log_uniform(double low, double high) {
+    return exponential(uniform(natural_log(low), natural_log(high)));
+  }
+  bool chance(double probability) { return uniform() < probability; }
   /// [0, n)
   std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(((bits() >> 32) * n) >> 32); }
   /// Mean 0, deviation 1: the sum of twelve uniforms, so never beyond 6.

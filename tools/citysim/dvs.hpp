@@ -1,0 +1,74 @@
+// An event camera's pixel array: linear light in, events out, with the faults of real sensors.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "citysim/workers.hpp"
+#include "egofocus/types.hpp"
+
+namespace egofocus::citysim {
+
+/// One recording's sensor. The defaults are a clean one: no fault at all. 1-sigma spreads are over the
+/// pixels.
+struct DvsParameters {
+  double threshold_on = 0.25;  ///< contrast, in natural log intensity
+  double threshold_off = 0.25;
+  double threshold_spread = 0;  ///< relative
+  double refractory_us = 0;
+  double bandwidth_hz = 0;        ///< first-order low pass of log light, of a pixel at intensity 1; 0: none
+  double bandwidth_floor_hz = 0;  ///< in the dark; between them the corner is proportional to the light
+  double dark_light = 0;          ///< added to the light before the logarithm (dark current)
+  double leak_hz = 0;             ///< ON events per pixel and second without cause
+  double shot_noise_hz = 0;  ///< of both polarities, per pixel and second, in the dark; less in the light
+  double hot_pixel_share = 0;
+  double hot_pixel_hz = 0;          ///< mean rate of a hot pixel
+  double latency_us = 0;            ///< from the crossing to the stamp
+  double latency_jitter_us = 0;     ///< 1-sigma; stamps never run before the crossing
+  double readout_events_per_s = 0;  ///< more wait in the array and are stamped late, then lost; 0: no limit
+};
+
+/// Drawn per recording, METHOD section 5's ranges. `night` has more noise and less bandwidth.
+[[nodiscard]] DvsParameters draw_dvs_parameters(std::uint64_t seed, bool night);
+
+struct DvsCounters {
+  std::uint64_t signal_events = 0;  ///< from contrast
+  std::uint64_t noise_events = 0;   ///< leak, shot noise, hot pixels
+  std::uint64_t refractory_dropped = 0;
+  std::uint64_t readout_dropped = 0;
+};
+
+/// The scene's light at one time, linear, row-major; 1 is a white wall by day, 0.001 a dark corner by night.
+struct LightView {
+  std::int64_t t_us = 0;
+  std::span<const float> light;
+};
+
+class Dvs {
+ public:
+  Dvs(int width_px, int height_px, const DvsParameters& parameters, std::uint64_t seed);
+  ~Dvs();
+
+  /// The next views, rising in time, the first ever sets the reference levels. Log light is taken as linear
+  /// between two views; reference levels are carried exactly. Appends events in order of time, row, column;
+  /// an event whose stamp may still be overtaken waits for a later call. Same bytes for any number of
+  /// workers.
+  void show(std::span<const LightView> views, Workers& workers, std::vector<Event>& events);
+  /// What still waits, at the end.
+  void finish(std::vector<Event>& events);
+
+  [[nodiscard]] const DvsCounters& counters() const;
+
+  /// The whole state, to go on later: a Dvs made with the same arguments and this state goes on with the same
+  /// bytes. restore() throws std::invalid_argument when the bytes are not such a state.
+  [[nodiscard]] std::vector<std::uint8_t> state() const;
+  void restore(std::span<const std::uint8_t> state);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace egofocus::citysim
