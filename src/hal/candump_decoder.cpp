@@ -154,20 +154,9 @@ bool CandumpDecoder::decode_line(std::string_view line, CanFrame& frame) noexcep
 
 Decoded CandumpDecoder::decode(std::span<const std::byte> bytes, std::span<CanFrame> out,
                                bool last) noexcept {
-  Decoded done;
-  while (done.produced < out.size()) {
-    const TextLines::Cut cut = lines_.next(bytes.subspan(done.consumed), last);
-    if (cut.kind == TextLines::Kind::kPartial) break;
-    done.consumed += cut.consumed;
-    if (cut.kind == TextLines::Kind::kSkipped) continue;
-    ++counters_.lines;
-    if (cut.kind == TextLines::Kind::kOverLong) {
-      ++counters_.over_long;
-    } else if (decode_line(cut.line, out[done.produced])) {
-      ++done.produced;
-    }
-  }
-  return done;
+  return decode_lines(
+      lines_, bytes, out, last, counters_,
+      [this](std::string_view line, CanFrame& sample) noexcept { return decode_line(line, sample); });
 }
 
 Decoded CandumpDecoder::feed(std::span<const std::byte> bytes, std::span<CanFrame> out) noexcept {

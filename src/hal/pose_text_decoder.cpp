@@ -62,20 +62,9 @@ bool PoseTextDecoder::decode_line(std::string_view line, PoseSample& pose) noexc
 
 Decoded PoseTextDecoder::decode(std::span<const std::byte> bytes, std::span<PoseSample> out,
                                 bool last) noexcept {
-  Decoded done;
-  while (done.produced < out.size()) {
-    const TextLines::Cut cut = lines_.next(bytes.subspan(done.consumed), last);
-    if (cut.kind == TextLines::Kind::kPartial) break;
-    done.consumed += cut.consumed;
-    if (cut.kind == TextLines::Kind::kSkipped) continue;
-    ++counters_.lines;
-    if (cut.kind == TextLines::Kind::kOverLong) {
-      ++counters_.over_long;
-    } else if (decode_line(cut.line, out[done.produced])) {
-      ++done.produced;
-    }
-  }
-  return done;
+  return decode_lines(
+      lines_, bytes, out, last, counters_,
+      [this](std::string_view line, PoseSample& sample) noexcept { return decode_line(line, sample); });
 }
 
 Decoded PoseTextDecoder::feed(std::span<const std::byte> bytes, std::span<PoseSample> out) noexcept {

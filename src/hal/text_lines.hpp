@@ -5,6 +5,8 @@
 #include <span>
 #include <string_view>
 
+#include "hal/decoded.hpp"
+
 namespace egofocus {
 
 /// Lines end with LF or CR LF. A line is cut only when it is whole, so nothing but one flag lives between
@@ -32,5 +34,26 @@ class TextLines {
  private:
   bool skipping_ = false;
 };
+
+/// The loop of a decoder of lines: `decode_line(line, sample)` says whether the line gave a sample. Counts
+/// `lines` and `over_long`; stops when `out` is full or no whole line is left. RT: yes, as decode_line is.
+template <class Sample, class Counters, class DecodeLine>
+Decoded decode_lines(TextLines& lines, std::span<const std::byte> bytes, std::span<Sample> out, bool last,
+                     Counters& counters, DecodeLine decode_line) noexcept {
+  Decoded done;
+  while (done.produced < out.size()) {
+    const TextLines::Cut cut = lines.next(bytes.subspan(done.consumed), last);
+    if (cut.kind == TextLines::Kind::kPartial) break;
+    done.consumed += cut.consumed;
+    if (cut.kind == TextLines::Kind::kSkipped) continue;
+    ++counters.lines;
+    if (cut.kind == TextLines::Kind::kOverLong) {
+      ++counters.over_long;
+    } else if (decode_line(cut.line, out[done.produced])) {
+      ++done.produced;
+    }
+  }
+  return done;
+}
 
 }  // namespace egofocus

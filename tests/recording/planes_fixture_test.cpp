@@ -41,12 +41,7 @@ std::vector<Event> decode(std::span<const std::byte> file) {
 
 TEST_CASE("the committed fixture is what the simulator makes") {
   sim::PlaneSimulator simulator;
-  // An emulated machine is slow: it makes the first part only.
-#ifdef EGOFOCUS_EMULATED
-  const std::int64_t until_us = 800000;
-#else
   const std::int64_t until_us = simulator.trajectory().duration_us();
-#endif
   const recording::MappedFile raw(kFixture / "events.raw");
   std::vector<Event> committed = decode(raw.bytes());
   std::erase_if(committed, [=](const Event& event) { return event.t_us >= until_us; });
