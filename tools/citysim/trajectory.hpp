@@ -11,8 +11,7 @@
 
 namespace egofocus::citysim {
 
-using sim::Mat3;
-using sim::Vec3;
+using namespace sim;  // vectors are std::array: their operators are not found by argument
 
 /// p_world = rotation * p_own + position.
 struct Pose {
