@@ -79,8 +79,7 @@ DriveStyle drive_style(Vehicle vehicle, std::uint64_t seed) {
 }
 
 Trajectory drive(const Ways& ways, const DriveStyle& style, double duration_s, std::uint64_t seed) {
-  if (!(duration_s > 0 && duration_s <= 1000))
-    throw std::invalid_argument("a drive lasts up to 1000 s");
+  if (!(duration_s > 0 && duration_s <= 1000)) throw std::invalid_argument("a drive lasts up to 1000 s");
   Random path_random(seed, "drive path");
   Random plan_random(seed, "drive plan");
   Random road_random(seed, "drive road");

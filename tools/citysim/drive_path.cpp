@@ -127,7 +127,8 @@ DrivePath::DrivePath(const Route& route, const PathStyle& style, double length_m
     if (sharpness > kMostRounded_rad)
       throw std::invalid_argument("a route's corner is too sharp for a robot that cannot turn in place");
     const UnitCorner unit = unit_corner(sharpness);
-    // The tightest point of a corner of length L has curvature 1.5 turn / L; nobody steers in less than a second.
+    // The tightest point of a corner of length L has curvature 1.5 turn / L; nobody steers in less than a
+    // second.
     const double tight = 1.5 * sharpness * style.corner_radius_m * random.uniform(0.85, 1.3);
     const double wanted = std::max(tight, aims[i].speed_limit * kSteering_s);
     const double room = 0.4 * std::min(flat_distance(aims[i - 1].point, aims[i].point),
@@ -162,8 +163,7 @@ void DrivePath::lay_pieces(const std::vector<Aim>& aims, const std::vector<Corne
     const double goal =
         aims[i + 1].point[2] - (aims[i + 1].point[2] - aims[i].point[2]) * corners[i + 1].tangent / way;
     const double before = 0.5 * corners[i].length;
-    const double here =
-        between(-kMostSlope, (goal - z - before * slope) / (straight + before), kMostSlope);
+    const double here = between(-kMostSlope, (goal - z - before * slope) / (straight + before), kMostSlope);
     if (i == 0) slope = here;
     const double slowest = i == 0 ? limit : std::min(limit, aims[i - 1].speed_limit);
     if (corners[i].in_place) lay(Kind::kInPlace, absolute(corners[i].turn), corners[i].turn, here, 100.0);
@@ -223,7 +223,8 @@ DrivePath::Place DrivePath::at(double progress) const {
   place.slope = piece.slope + piece.slope_change * smooth_step(u);
   place.in_place = node.in_place;
   // The slope's integral, smooth_step's being u^3 - u^4 / 2.
-  const double risen = piece.length * (piece.slope * u + piece.slope_change * (u * u * u - 0.5 * u * u * u * u));
+  const double risen =
+      piece.length * (piece.slope * u + piece.slope_change * (u * u * u - 0.5 * u * u * u * u));
   place.position[2] = piece.z + (node.in_place ? 0 : risen);
   return place;
 }

@@ -22,8 +22,8 @@ class DrivePath {
  public:
   struct Place {
     sim::Vec3 position;
-    double yaw = 0;        ///< of the path's tangent, not wrapped
-    double slope = 0;      ///< rise per metre
+    double yaw = 0;    ///< of the path's tangent, not wrapped
+    double slope = 0;  ///< rise per metre
     bool in_place = false;
   };
   /// Progress is cut into cells; this is where one begins.

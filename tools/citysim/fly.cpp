@@ -53,7 +53,7 @@ class Planner {
  private:
   void change_mood() {
     const double dice = random_.uniform();
-    mood_ = dice < 0.55 ? Mood::kTravel
+    mood_ = dice < 0.55   ? Mood::kTravel
             : dice < 0.70 ? Mood::kDrift
             : dice < 0.85 ? Mood::kTurn
             : dice < 0.94 ? Mood::kStand
@@ -174,8 +174,8 @@ class Planner {
 /// Six tremors, of position and angles.
 class Tremor {
  public:
-  explicit Tremor(Random random) : shakes_{shake(random), shake(random), shake(random),
-                                           shake(random), shake(random), shake(random)} {}
+  explicit Tremor(Random random)
+      : shakes_{shake(random), shake(random), shake(random), shake(random), shake(random), shake(random)} {}
   /// Bound of each coordinate's share of a tremor of 1 m/s.
   [[nodiscard]] double reach() const {
     return std::max({shakes_[0].bound(), shakes_[1].bound(), shakes_[2].bound()});
@@ -225,8 +225,7 @@ FlyStyle fly_style(Flyer flyer, std::uint64_t seed) {
 }
 
 Trajectory fly(const Ways& ways, const FlyStyle& style, double duration_s, std::uint64_t seed) {
-  if (!(duration_s > 0 && duration_s <= 1000))
-    throw std::invalid_argument("a flight lasts up to 1000 s");
+  if (!(duration_s > 0 && duration_s <= 1000)) throw std::invalid_argument("a flight lasts up to 1000 s");
   const Tremor tremor{Random(seed, "tremor")};
   Planner planner(ways, style, inner_boxes(ways, style.margin_m + tremor.reach() * style.tremor_m_s),
                   Random(seed, "flight plan"));

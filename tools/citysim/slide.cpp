@@ -103,8 +103,7 @@ SlideStyle slide_style(bool arm, std::uint64_t seed) {
 }
 
 Trajectory slide(const Ways& ways, const SlideStyle& style, double duration_s, std::uint64_t seed) {
-  if (!(duration_s > 0 && duration_s <= 1000))
-    throw std::invalid_argument("a slide lasts up to 1000 s");
+  if (!(duration_s > 0 && duration_s <= 1000)) throw std::invalid_argument("a slide lasts up to 1000 s");
   Random random(seed, "slide plan");
   const std::vector<FreeBox> boxes = inner_boxes(ways, 0.02);
   const FreeBox& box = boxes[random.below(static_cast<std::uint32_t>(boxes.size()))];

@@ -9,8 +9,8 @@
 
 namespace egofocus::citysim {
 
-/// Progress along `path` each `step_s` from time `-lead_s`, `count` values, never falling. Two derivatives are
-/// continuous; at a stop it is constant.
+/// Progress along `path` each `step_s` from time `-lead_s`, `count` values, never falling. Two derivatives
+/// are continuous; at a stop it is constant.
 [[nodiscard]] std::vector<double> plan_progress(const DrivePath& path, const DriveStyle& style, double step_s,
                                                 double lead_s, std::size_t count, sim::Random& random);
 

@@ -56,7 +56,8 @@ Trajectory::Trajectory(std::vector<Control> controls, double interval_s)
   for (const Control& c : controls_) {
     const double sum = c.position[0] + c.position[1] + c.position[2] + c.yaw + c.roll;
     if (!finite(sum)) throw std::invalid_argument("a trajectory's control point is not finite");
-    if (!(absolute(c.pitch) < 1.4)) throw std::invalid_argument("a trajectory's pitch must stay below 1.4 rad");
+    if (!(absolute(c.pitch) < 1.4))
+      throw std::invalid_argument("a trajectory's pitch must stay below 1.4 rad");
   }
 }
 
