@@ -158,7 +158,6 @@ BusLayout car() {
                          {"WHEEL_SPEEDS", "WheelSpeedRL", CanRole::kWheelSpeed, CanUnit::kKmPerHour}});
   layout.can.group_window_us = 4000;
   layout.motion.model = MotionModel::kWheeled;
-  layout.motion.gyro_noise_rad_s = 0.004;
   layout.motion.wheel_noise_m_s = 0.03;
   layout.others = {{0x025, false, 8, 12000},  {0x0B4, false, 8, 24000}, {0x1C4, false, 8, 24000},
                    {0x224, false, 8, 30000},  {0x2C1, false, 8, 32000}, {0x3B7, false, 8, 48000},
@@ -189,7 +188,6 @@ BusLayout delivery_robot() {
   layout.can.accel_axes = {{1, -2, -3}};
   layout.can.match_parameter_group = true;
   layout.motion.model = MotionModel::kWheeled;
-  layout.motion.gyro_noise_rad_s = 0.004;
   layout.motion.wheel_noise_m_s = 0.02;
   layout.others = {{0x18FEF180, true, 8, 100000},
                    {0x18FF0380, true, 8, 20000},
@@ -214,7 +212,6 @@ BusLayout xsens(BusRobot robot) {
                          {message, "VelX", CanRole::kVelocityX},
                          {message, "VelY", CanRole::kVelocityY},
                          {message, "VelZ", CanRole::kVelocityZ}});
-  layout.motion.gyro_noise_rad_s = 0.004;
   layout.motion.wheel_noise_m_s = drone ? 0.03 : robot == BusRobot::kHand ? 0.012 : 0.003;
   layout.others = {{0x011, false, 4, 100000},
                    {0x021, false, 8, 10000},

@@ -81,7 +81,7 @@ class Senders {
   }
 
   void odometry(Random random) {
-    Vec3 wheel_scale = random_vector(random, 0.001);
+    const Vec3 wheel_scale = random_vector(random, faults_.wheel_scale_spread);
     std::uint32_t count = 0;
     for (std::int64_t t_us = phase(layout_.odometry_period_us, random); t_us <= end_us_;
          t_us += layout_.odometry_period_us) {
@@ -178,6 +178,12 @@ void set_extrinsics(const Mount& camera, MotionConfig& motion) {
   }
 }
 
+/// As a user measures them at rest, a third on top; never below what quantisation leaves.
+void state_noises(const BusFaults& faults, MotionConfig& motion) {
+  motion.gyro_noise_rad_s = std::max(0.0015, 1.3 * faults.gyro_noise_rad_s);
+  motion.accel_noise_m_s2 = std::max(0.03, 1.3 * faults.accel_noise_m_s2);
+}
+
 }  // namespace
 
 BusFaults draw_bus_faults(BusRobot robot, std::uint64_t seed) {
@@ -194,6 +200,7 @@ BusFaults draw_bus_faults(BusRobot robot, std::uint64_t seed) {
   faults.jitter_us = random.below(600) + 50;
   faults.dropout_every_s = random.uniform(15, 40);
   faults.lost_frame_share = random.log_uniform(1e-5, 1e-3);
+  faults.wheel_scale_spread = 0.001;
   const double size = random.uniform();
   const double sign = random.chance(0.5) ? 1 : -1;
   switch (robot) {
@@ -207,11 +214,11 @@ BusFaults draw_bus_faults(BusRobot robot, std::uint64_t seed) {
       faults.odometry_noise_m_s = random.uniform(0.003, 0.01);
       break;
     case BusRobot::kDrone:
-      faults.odometry_scale = 0.01 * size * sign;
+      faults.odometry_scale = 0.005 * size * sign;
       faults.odometry_noise_m_s = random.uniform(0.01, 0.03);
       break;
     case BusRobot::kHand:
-      faults.odometry_scale = 0.015 * size * sign;
+      faults.odometry_scale = 0.01 * size * sign;
       faults.odometry_noise_m_s = random.uniform(0.003, 0.01);
       break;
     case BusRobot::kArm:
@@ -233,6 +240,7 @@ MotionBus motion_bus(const Trajectory& trajectory, BusRobot robot, const BusFaul
   bus.can = layout.can;
   bus.motion = layout.motion;
   set_extrinsics(camera, bus.motion);
+  state_noises(faults, bus.motion);
   const std::int64_t end_us = microseconds(trajectory.duration_s());
   bus.dropouts_us = draw_dropouts(faults, end_us, Random(seed, "dropouts"));
 

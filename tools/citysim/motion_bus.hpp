@@ -30,6 +30,7 @@ struct BusFaults {
   Vec3 accel_bias_m_s2{0, 0, 0};
   double accel_noise_m_s2 = 0;
   double odometry_scale = 0;           ///< relative, below 0.02
+  double wheel_scale_spread = 0;       ///< relative, 1-sigma from wheel to wheel
   double odometry_noise_m_s = 0;       ///< of each wheel or component
   double odometry_zero_below_m_s = 0;  ///< wheels whose pulses stop
   std::int64_t imu_latency_us = 0;     ///< from the motion to the sensor's wish to send

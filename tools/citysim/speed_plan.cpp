@@ -22,10 +22,13 @@ std::vector<Stop> stops_of(const DrivePath& path, const DriveStyle& style, sim::
   std::vector<Stop> stops;
   if (random.chance(style.start_standing)) stops.push_back({0, settle_s + random.uniform(0.8, 3.0)});
   double next = style.stop_every_m > 0 ? style.stop_every_m * random.uniform(0.3, 1.2) : path.length() + 1;
-  for (std::size_t i = 1; i + 1 < nodes.size(); ++i) {
+  for (std::size_t i = 1; i + 2 < nodes.size(); ++i) {
+    // From a stop at one node to a stop at the next there is no way.
+    const bool alone =
+        nodes[i + 1].in_place == nodes[i].in_place && (stops.empty() || stops.back().node + 1 < i);
     if (nodes[i].in_place != nodes[i - 1].in_place) {
       stops.push_back({i, settle_s + random.uniform(0.05, 0.5)});
-    } else if (nodes[i].progress > next && nodes[i].may_stop) {
+    } else if (nodes[i].progress > next && nodes[i].may_stop && alone) {
       stops.push_back({i, settle_s + random.uniform(1.0, 4.0)});
       next = nodes[i].progress + style.stop_every_m * random.uniform(0.4, 1.6);
     }
