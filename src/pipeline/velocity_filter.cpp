@@ -23,6 +23,11 @@ constexpr double kScaleWalk = 1e-4;
 constexpr double kUnknownAccel_m_s2 = 3;
 constexpr double kUnknownRate_rad_s = 0.5;
 constexpr double kUnknownFor_s = 0.2;
+// Wheels that give no pulses may turn at up to 1..2 km/h: a reading of exactly zero says no more than that.
+// Neighbouring ones are wrong by the same, so that each alone counts for less.
+constexpr double kSilentWheel_m_s = 0.25;
+constexpr double kSilentWheelsAlike = 16;
+constexpr double kDeparture_m_s = 0.1;  // what a robot may gain before it is seen to move
 
 constexpr double kGate2 = 25;  // squared: 5 sigma
 constexpr std::int64_t kLateralEvery_us = 20000;
@@ -74,6 +79,7 @@ void VelocityFilter::use(const ImuSample& sample) noexcept {
   move_to(sample.t_us, gyro, accel);
   if (sample.has_gyro) standstill_.see_gyro(gyro_.value, sample.t_us);
   if (sample.has_accel) standstill_.see_accel(accel_.value, sample.t_us);
+  notice_departure();
   if (sample.has_accel && !gravity_known_) start_gravity();
 
   if (standstill_.standing()) {
@@ -91,6 +97,7 @@ bool VelocityFilter::use(const OdometrySample& sample) noexcept {
   const bool wheel = sample.kind == OdometrySample::Kind::kWheelSpeed;
   const Vec3 speed = wheel ? Vec3(sample.velocity_m_s[0], 0, 0) : vec3(sample.velocity_m_s);
   standstill_.see_odometry(speed, sample.t_us);
+  notice_departure();
   if (!ready_ || odometry_us_ - accepted_us_ > kLost_us) start_velocity(sample);
   odometry_us_ = t_us_;
   if (standstill_.standing()) {
@@ -188,13 +195,16 @@ void VelocityFilter::start_velocity(const OdometrySample& sample) noexcept {
 
 bool VelocityFilter::measure_wheel(const OdometrySample& sample) noexcept {
   const double stated = sample.covariance_m2_s2[0];
-  const double variance = stated > 0 ? stated : config_.wheel_noise_m_s * config_.wheel_noise_m_s;
+  const bool silent = sample.velocity_m_s[0] == 0 && config_.wheel_noise_m_s < kSilentWheel_m_s;
+  const double sigma = silent ? kSilentWheel_m_s : config_.wheel_noise_m_s;
+  const double variance = stated > 0 ? stated : sigma * sigma;
+  const double share = silent && !(stated > 0) ? kSilentWheelsAlike : 1;
   Row h = Row::Zero();
   h(kVelocity) = 1 + scale_;
   h(kScale) = velocity_[0];
   const double residual = sample.velocity_m_s[0] - (1 + scale_) * velocity_[0];
   if (!fits(h, residual, variance)) return false;
-  update(h, residual, variance);
+  update(h, residual, share * variance);
   return true;
 }
 
@@ -227,6 +237,14 @@ bool VelocityFilter::measure_body(const OdometrySample& sample) noexcept {
     }
   }
   return true;
+}
+
+/// Standstill is given up late: until then the velocity was held at zero, however it grew.
+void VelocityFilter::notice_departure() noexcept {
+  const bool stood = stood_;
+  stood_ = standstill_.standing();
+  if (!stood || stood_) return;
+  for (int i = 0; i < 3; ++i) covariance_(kVelocity + i, kVelocity + i) += kDeparture_m_s * kDeparture_m_s;
 }
 
 void VelocityFilter::measure_standstill() noexcept {

@@ -88,6 +88,7 @@ class VelocityFilter {
   void start_velocity(const OdometrySample& sample) noexcept;
   bool measure_wheel(const OdometrySample& sample) noexcept;
   bool measure_body(const OdometrySample& sample) noexcept;
+  void notice_departure() noexcept;
   void measure_standstill() noexcept;
   [[nodiscard]] bool fits(const Row& h, double residual, double variance) const noexcept;
   void update(const Row& h, double residual, double variance) noexcept;
@@ -97,6 +98,7 @@ class VelocityFilter {
   Mat3 camera_from_body_;
   Vec3 lever_arm_;
   Standstill standstill_;
+  bool stood_ = false;
 
   std::int64_t t_us_ = INT64_MIN / 2;
   Reading gyro_;

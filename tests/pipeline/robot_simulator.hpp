@@ -87,6 +87,7 @@ struct SensorFaults {
   double wheel_noise_m_s = 0.02;
   double wheel_step_m_s = 0.06;  // quantisation
   double wheel_scale = 0.02;
+  double wheel_silent_below_m_s = 0;  // slower wheels give no pulses
   double body_velocity_noise_m_s = 0.05;
 };
 
@@ -139,8 +140,9 @@ class RobotSimulator {
 
   OdometrySample wheel() {
     const double v = velocity().v[0];
+    const bool silent = v == 0 || (v < faults_.wheel_silent_below_m_s && v > -faults_.wheel_silent_below_m_s);
     const double noisy =
-        v == 0 ? 0 : (1 + faults_.wheel_scale) * v + faults_.wheel_noise_m_s * random_.gauss();
+        silent ? 0 : (1 + faults_.wheel_scale) * v + faults_.wheel_noise_m_s * random_.gauss();
     OdometrySample sample;
     sample.t_us = t_us_;
     sample.velocity_m_s[0] = faults_.wheel_step_m_s * floor_of(noisy / faults_.wheel_step_m_s + 0.5);

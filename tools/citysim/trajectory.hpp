@@ -45,14 +45,23 @@ class Trajectory {
     double roll = 0;
   };
 
-  /// Time 0 belongs to control point 1; at least 4 points. Throws std::invalid_argument.
+  /// Time 0 belongs to control point 1; at least 4 points, all finite. The curve does not pass through its
+  /// control points, but stays in the convex hull of each four neighbours. Throws std::invalid_argument.
   Trajectory(std::vector<Control> controls, double interval_s);
 
   [[nodiscard]] double duration_s() const;
   /// `t_s` is limited to [0, duration_s].
   [[nodiscard]] RigidState body_at(double t_s) const;
+  /// The splines' own values: the body's position and angles, not wrapped. `t_s` as above.
+  [[nodiscard]] Control control_at(double t_s) const;
 
  private:
+  struct Segment {
+    const Control* controls;  // the first of four
+    double u;                 // 0..1
+  };
+  [[nodiscard]] Segment segment_at(double t_s) const;
+
   std::vector<Control> controls_;
   double interval_s_;
 };

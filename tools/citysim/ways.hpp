@@ -7,6 +7,10 @@
 
 namespace egofocus::citysim {
 
+using sim::operator+;
+using sim::operator-;
+using sim::operator*;
+
 /// A road, or a corridor's middle line: points at its surface, a lane's centre. A robot starts at the first.
 struct Route {
   std::vector<sim::Vec3> points;        ///< straight pieces; corners are rounded by who drives it
