@@ -225,9 +225,9 @@ TEST_CASE("drawn parameters stay in their ranges, are described whole, and do no
     for (const bool night : {false, true}) {
       const DvsParameters p = draw_dvs_parameters(seed, night);
       REQUIRE((p.threshold_on >= 0.1 && p.threshold_on <= 1.0));
-      REQUIRE((p.threshold_off >= 0.7 * p.threshold_on && p.threshold_off <= 1.3 * p.threshold_on));
+      REQUIRE((p.threshold_off >= 0.5 * p.threshold_on && p.threshold_off <= 1.4 * p.threshold_on));
       REQUIRE((p.threshold_spread >= 0.03 && p.threshold_spread <= 0.08));
-      REQUIRE((p.refractory_us >= 0 && p.refractory_us <= 1000));
+      REQUIRE((p.refractory_us >= 0 && p.refractory_us <= 3000));
       REQUIRE((p.bandwidth_floor_hz >= 30 && p.bandwidth_hz <= 300));
       REQUIRE((p.leak_hz >= 0 && p.leak_hz <= 0.3));
       REQUIRE((p.shot_noise_hz >= 0 && p.shot_noise_hz <= 10));

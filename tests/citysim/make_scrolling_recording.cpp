@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   const bool night = std::string(argv[3]) == "night";
   const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
   DvsParameters p = draw_dvs_parameters(seed, night);
-  test::ScrollingTexture::Look look;
+  ScrollingTexture::Look look;
   look.illumination = night ? 0.03 : 0.7;
   double width = 240, height = 180, seconds = 0.17;
   struct {
@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
   }
   const auto w = static_cast<int>(width);
   const auto h = static_cast<int>(height);
-  const test::ScrollingTexture texture(w, h, look, seed);
+  const ScrollingTexture texture(w, h, look, seed);
   Dvs dvs(w, h, p, seed);
   Workers workers(1);
   std::vector<Event> events;

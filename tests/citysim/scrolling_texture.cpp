@@ -4,7 +4,7 @@
 
 #include "citysim/random.hpp"
 
-namespace egofocus::citysim::test {
+namespace egofocus::citysim {
 namespace {
 
 constexpr int kFine = 4;
@@ -109,4 +109,4 @@ std::vector<float> ScrollingTexture::picture(double t_s) const {
   return light;
 }
 
-}  // namespace egofocus::citysim::test
+}  // namespace egofocus::citysim

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace egofocus::citysim::test {
+namespace egofocus::citysim {
 
 class ScrollingTexture {
  public:
@@ -26,4 +26,4 @@ class ScrollingTexture {
   std::vector<float> texture_;  // kFine samples a pixel along the rows, repeating
 };
 
-}  // namespace egofocus::citysim::test
+}  // namespace egofocus::citysim
