@@ -228,7 +228,7 @@ TEST_CASE("drawn parameters stay in their ranges, are described whole, and do no
       REQUIRE((p.threshold_off >= 0.5 * p.threshold_on && p.threshold_off <= 1.4 * p.threshold_on));
       REQUIRE((p.threshold_spread >= 0.03 && p.threshold_spread <= 0.08));
       REQUIRE((p.refractory_us >= 0 && p.refractory_us <= 3000));
-      REQUIRE((p.bandwidth_floor_hz >= 30 && p.bandwidth_hz <= 300));
+      REQUIRE((p.bandwidth_floor_hz >= 30 && p.bandwidth_hz <= (night ? 200 : 3000)));
       REQUIRE((p.leak_hz >= 0 && p.leak_hz <= 0.3));
       REQUIRE((p.shot_noise_hz >= 0 && p.shot_noise_hz <= 10));
       REQUIRE((p.hot_pixel_share >= 0 && p.hot_pixel_share <= 0.001));

@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
                      {"bandwidth_floor_hz", &p.bandwidth_floor_hz},
                      {"dark_light", &p.dark_light},
                      {"leak_hz", &p.leak_hz},
+                     {"noise_spread", &p.noise_spread},
                      {"shot_noise_hz", &p.shot_noise_hz},
                      {"hot_pixel_share", &p.hot_pixel_share},
                      {"hot_pixel_hz", &p.hot_pixel_hz},

@@ -23,9 +23,9 @@ struct DvsParameters {
   double bandwidth_floor_hz = 0;  ///< in the dark; the corner is linear in the light, so above 1 it goes on
   double dark_light = 0;          ///< added to the light before the logarithm (dark current)
   double leak_hz = 0;             ///< ON events per pixel and second without cause
-  double leak_spread = 0;         ///< relative
   double shot_noise_hz =
-      0;  ///< of both polarities, per pixel and second, in the dark; half at kHalfShotLight
+      0;                    ///< of both polarities, per pixel and second, in the dark; half at kHalfShotLight
+  double noise_spread = 0;  ///< of the natural log of a pixel's leak and shot noise; the mean stays
   double hot_pixel_share = 0;
   double hot_pixel_hz = 0;            ///< mean rate of a hot pixel; the rates are distributed exponentially
   double latency_us = 0;              ///< from the crossing to the stamp; noise is stamped at once
@@ -43,10 +43,11 @@ inline constexpr float kHalfShotLight = 0.05f;
 ///   threshold_off         N(0.9, 0.2) of threshold_on, 0.5 to 1.4
 ///   threshold_spread      0.03 to 0.08: sigma/C of published DVS pixels
 ///   refractory_us         0 to 3,000, half of them below 750
-///   bandwidth_hz          100 to 300 (night: 200), log-uniform; in the dark 30 to 60 (night: 45)
+///   bandwidth_hz          100 to 3,000 (night: 200), log-uniform; in the dark 30 to 60 (night: 45)
 ///   dark_light            0.0005 to 0.005, log-uniform
-///   leak_hz               0 to 0.3, its spread 0.2 to 0.5
+///   leak_hz               0 to 0.3
 ///   shot_noise_hz         0 to 1 (night: 10), half of them below a quarter of that
+///   noise_spread          0.3 to 1.5
 ///   hot_pixel_share       0 to 0.001, at 5 to 200 Hz
 ///   latency_us            50 to 500, log-uniform; its jitter 0.05 to 0.3 of it
 ///   readout_events_per_s  2e6 to 5e7, log-uniform; 64 to 1,024 wait

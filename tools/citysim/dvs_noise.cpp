@@ -16,15 +16,17 @@ double exponential_gap(Random& random, double rate) {
 DvsNoise::DvsNoise(int width_px, int height_px, const DvsParameters& p, std::uint64_t seed)
     : leak_per_us_(p.leak_hz * 1e-6),
       shot_per_us_(p.shot_noise_hz * 1e-6),
-      row_rate_per_us_(width_px * (leak_per_us_ * kMostLeak + shot_per_us_)),
       width_px_(static_cast<std::uint32_t>(width_px)) {
   const auto rows = static_cast<std::size_t>(height_px);
   const std::size_t pixels = width_px_ * rows;
-  if (p.leak_hz > 0) {
-    Random random(seed, "leak of a pixel");
-    leak_factor_.resize(pixels);
-    for (float& factor : leak_factor_)
-      factor = static_cast<float>(std::clamp(1.0 + p.leak_spread * random.normal(), 0.0, kMostLeak));
+  if (p.leak_hz + p.shot_noise_hz > 0) {
+    Random random(seed, "noise of a pixel");
+    double sum = 0;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const double s = p.noise_spread;
+      sum = (i % width_px_ == 0 ? 0 : sum) + exponential(s * random.normal() - 0.5 * s * s);  // mean 1
+      factor_sum_.push_back(sum);
+    }
   }
   Random clocks(seed, "noise of a row");
   for (std::size_t y = 0; y < rows; ++y) row_clocks.push_back({0, Random(clocks.bits())});
@@ -41,10 +43,15 @@ DvsNoise::DvsNoise(int width_px, int height_px, const DvsParameters& p, std::uin
   first_hot_.push_back(hot_.size());
 }
 
+double DvsNoise::row_rate(std::size_t row) const {
+  return (leak_per_us_ + shot_per_us_) * factor_sum_[(row + 1) * width_px_ - 1];
+}
+
 void DvsNoise::start(double t_us) {
-  for (Clock& clock : row_clocks) {
+  for (std::size_t y = 0; y < row_clocks.size(); ++y) {
+    Clock& clock = row_clocks[y];
     clock.next_us = t_us;
-    if (row_rate_per_us_ > 0) clock.next_us += exponential_gap(clock.random, row_rate_per_us_);
+    if (!factor_sum_.empty()) clock.next_us += exponential_gap(clock.random, row_rate(y));
   }
   for (std::size_t i = 0; i < hot_.size(); ++i)
     hot_clocks[i].next_us = t_us + exponential_gap(hot_clocks[i].random, hot_[i].rate_per_us);
@@ -52,21 +59,22 @@ void DvsNoise::start(double t_us) {
 
 void DvsNoise::add_row(int y, double t_us, std::span<const float> light, std::vector<NoiseEvent>& events) {
   const auto row = static_cast<std::size_t>(y);
-  const double leak_part = leak_per_us_ * kMostLeak;
   Clock& clock = row_clocks[row];
-  while (row_rate_per_us_ > 0 && clock.next_us <= t_us) {
-    const std::uint32_t x = clock.random.below(width_px_);
-    const double what = clock.random.uniform(0, leak_part + shot_per_us_);
-    if (what < leak_part) {
-      if (what < leak_per_us_ * static_cast<double>(leak_factor_[row * width_px_ + x]))
-        events.push_back({clock.next_us, x, true});
+  while (!factor_sum_.empty() && clock.next_us <= t_us) {
+    const double* sums = &factor_sum_[row * width_px_];
+    const double* chosen =
+        std::upper_bound(sums, sums + width_px_ - 1, clock.random.uniform(0, sums[width_px_ - 1]));
+    const auto x = static_cast<std::uint32_t>(chosen - sums);
+    const double what = clock.random.uniform(0, leak_per_us_ + shot_per_us_);
+    if (what < leak_per_us_) {
+      events.push_back({clock.next_us, x, true});
     } else {
       const float lit = light[x] > 0 ? light[x] : 0.0f;
       const auto share = static_cast<double>(kHalfShotLight / (kHalfShotLight + lit));
-      if (what - leak_part < shot_per_us_ * share)
+      if (what - leak_per_us_ < shot_per_us_ * share)
         events.push_back({clock.next_us, x, clock.random.chance(0.5)});
     }
-    clock.next_us += exponential_gap(clock.random, row_rate_per_us_);
+    clock.next_us += exponential_gap(clock.random, row_rate(row));
   }
   for (std::size_t i = first_hot_[row]; i < first_hot_[row + 1]; ++i) {
     Clock& hot = hot_clocks[i];

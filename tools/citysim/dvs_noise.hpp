@@ -17,12 +17,12 @@ struct NoiseEvent {
   bool on;
 };
 
-/// Leak and shot noise are Poisson processes, thinned from one per row; noise leaves reference levels alone.
+/// Leak and shot noise are Poisson processes: a row has one, which is shared out to its pixels by their noise
+/// factors. Noise leaves reference levels alone.
 /// Hot pixels have Poisson processes of their own, kHotOnShare of their events are ON.
 class DvsNoise {
  public:
   static constexpr double kHotOnShare = 0.8;
-  static constexpr double kMostLeak = 4.0;  ///< of the mean, after the spread
 
   DvsNoise(int width_px, int height_px, const DvsParameters& parameters, std::uint64_t seed);
 
@@ -44,6 +44,7 @@ class DvsNoise {
   std::vector<Clock> hot_clocks;
 
  private:
+  [[nodiscard]] double row_rate(std::size_t row) const;  // events per microsecond, in the dark
   struct HotPixel {
     std::uint32_t x;
     double rate_per_us;
@@ -51,8 +52,7 @@ class DvsNoise {
 
   double leak_per_us_;
   double shot_per_us_;
-  double row_rate_per_us_;          // of candidates
-  std::vector<float> leak_factor_;  // of each pixel, up to kMostLeak; empty without leak
+  std::vector<double> factor_sum_;  // of the row, up to and with the pixel; empty without leak and shot noise
   std::vector<HotPixel> hot_;
   std::vector<std::size_t> first_hot_;  // of each row, and the end
   std::uint32_t width_px_;
