@@ -10,8 +10,8 @@ namespace egofocus::citysim {
 namespace {
 
 constexpr int kBandRows = 8;
-// 25 days: a stamp, its latency and its wait included, fits its 42 bits.
-constexpr std::int64_t kLongest_us = std::int64_t{1} << 41;
+// 12 days. With latency and wait, a stamp stays below 2^41.
+constexpr std::int64_t kLongest_us = std::int64_t{1} << 40;
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void Dvs::show(std::span<const LightView> views, Workers& workers, std::vector<E
     if (views[i].t_us <= before_us) throw std::invalid_argument("Dvs: the times of views must rise.");
     if (static_cast<std::uint64_t>(views[i].t_us) - static_cast<std::uint64_t>(start_us) >=
         static_cast<std::uint64_t>(kLongest_us))
-      throw std::invalid_argument("Dvs: a view later than 25 days after the first.");
+      throw std::invalid_argument("Dvs: a view later than 12 days after the first.");
   }
   if (!views.empty() && !s.has_view) {
     s.begin(views.front());

@@ -84,7 +84,7 @@ class Dvs {
   Dvs(int width_px, int height_px, const DvsParameters& parameters, std::uint64_t seed);
   ~Dvs();
 
-  /// The next views, rising in time (by at most 25 days in all), the first ever sets the reference levels.
+  /// The next views, rising in time (by at most 12 days in all), the first ever sets the reference levels.
   /// Log light is taken as linear between two views; below 1e-6 and above 1e6 it counts as that bound.
   /// Levels are integers of 2^-24, so references are carried exactly; a stamp is the microsecond in which
   /// its crossing lies, plus latency. Appends events in order of time, row, column; an event whose stamp may

@@ -51,7 +51,7 @@ void require_legal(const DvsParameters& parameters) {
   }
   if (parameters.bandwidth_floor_hz > parameters.bandwidth_hz)
     throw std::invalid_argument("Dvs: bandwidth_floor_hz is above bandwidth_hz.");
-  if (parameters.readout_events_per_s > 0 && parameters.readout_events_per_s < 1)
+  if (parameters.readout_events_per_s > 0 && parameters.readout_events_per_s < 1000)
     throw std::invalid_argument("Dvs: readout_events_per_s is out of range.");
 }
 
