@@ -66,15 +66,15 @@ inline bool in_order(const std::vector<Event>& events) {
 /// A drifting pattern with every fault of the sensor switched on.
 inline DvsParameters faulty() {
   DvsParameters p = draw_dvs_parameters(11, true);
-  p.threshold_on = 0.2;
-  p.threshold_off = 0.22;
+  p.threshold_on = 0.1;
+  p.threshold_off = 0.12;
   p.leak_hz = 5;
   p.shot_noise_hz = 20;
   p.hot_pixel_share = 0.01;
   p.hot_pixel_hz = 500;
   p.latency_us = 300;
   p.latency_jitter_us = 150;
-  p.refractory_us = 400;
+  p.refractory_us = 50;
   p.readout_events_per_s = 2e5;
   p.readout_queue_events = 20;
   return p;

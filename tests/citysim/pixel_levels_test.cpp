@@ -84,6 +84,18 @@ TEST_CASE("filtered levels follow the corner of their light") {
   REQUIRE(LowPassRate{100, 0}.of(1) == 80.0f);
 }
 
+TEST_CASE("a pixel is marked from the very level of its threshold on") {
+  const Level upper = 500;
+  const Level lower = -700;
+  for (const Level level : {499, 500, 501, -699, -700, -701}) {
+    std::uint8_t marked = 7;
+    mark_crossed(&level, &upper, &lower, 1, &marked);
+    REQUIRE(marked == (level >= 500 || level <= -700));
+    mark_crossed(&level, &level, &level, &level, &upper, &lower, 1, &marked);
+    REQUIRE(marked == (level >= 500 || level <= -700));
+  }
+}
+
 TEST_CASE("crossings of a filtered pixel: each one, in order, at its time, turns included") {
   Random random(5);
   int found = 0;
