@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "citysim/workers.hpp"
@@ -14,29 +15,60 @@ namespace egofocus::citysim {
 /// One recording's sensor. The defaults are a clean one: no fault at all. 1-sigma spreads are over the
 /// pixels.
 struct DvsParameters {
-  double threshold_on = 0.25;  ///< contrast, in natural log intensity
+  double threshold_on = 0.25;  ///< contrast, in natural log intensity; 0.01 to 4
   double threshold_off = 0.25;
-  double threshold_spread = 0;  ///< relative
-  double refractory_us = 0;
+  double threshold_spread = 0;    ///< relative; ON and OFF apart
+  double refractory_us = 0;       ///< after an event of a pixel its crossings and its noise are lost
   double bandwidth_hz = 0;        ///< first-order low pass of log light, of a pixel at intensity 1; 0: none
-  double bandwidth_floor_hz = 0;  ///< in the dark; between them the corner is proportional to the light
+  double bandwidth_floor_hz = 0;  ///< in the dark; the corner is linear in the light, so above 1 it goes on
   double dark_light = 0;          ///< added to the light before the logarithm (dark current)
   double leak_hz = 0;             ///< ON events per pixel and second without cause
-  double shot_noise_hz = 0;  ///< of both polarities, per pixel and second, in the dark; less in the light
+  double shot_noise_hz =
+      0;                    ///< of both polarities, per pixel and second, in the dark; half at kHalfShotLight
+  double noise_spread = 0;  ///< of the natural log of a pixel's leak and shot noise; the mean stays
   double hot_pixel_share = 0;
-  double hot_pixel_hz = 0;          ///< mean rate of a hot pixel
-  double latency_us = 0;            ///< from the crossing to the stamp
-  double latency_jitter_us = 0;     ///< 1-sigma; stamps never run before the crossing
-  double readout_events_per_s = 0;  ///< more wait in the array and are stamped late, then lost; 0: no limit
+  double hot_pixel_hz = 0;            ///< mean rate of a hot pixel; the rates are distributed exponentially
+  double latency_us = 0;              ///< from the crossing to the stamp; noise is stamped at once
+  double latency_jitter_us = 0;       ///< 1-sigma; stamps never run before the crossing
+  double readout_events_per_s = 0;    ///< more wait in the array and are stamped late, then lost; 0: no limit
+  double readout_queue_events = 256;  ///< that may wait
 };
 
-/// Drawn per recording, METHOD section 5's ranges. `night` has more noise and less bandwidth.
+/// Where shot noise has half its rate of the dark: rate = shot_noise_hz * half / (half + light).
+inline constexpr float kHalfShotLight = 0.05f;
+
+/// Drawn per recording. `night` has more shot noise and less bandwidth; all else is the same for one seed.
+///
+///   threshold_on          0.1 to 1, log-uniform: what published simulators randomise for transfer to sensors
+///   threshold_off         N(0.9, 0.2) of threshold_on, 0.5 to 1.4
+///   threshold_spread      0.03 to 0.08: sigma/C of published DVS pixels
+///   refractory_us         0 to 3,000, half of them below 750
+///   bandwidth_hz          100 to 3,000 (night: 200), log-uniform; in the dark 30 to 60 (night: 45)
+///   dark_light            0.0005 to 0.005, log-uniform
+///   leak_hz               0 to 0.3
+///   shot_noise_hz         0 to 1 (night: 10), half of them below a quarter of that
+///   noise_spread          0.3 to 1.5
+///   hot_pixel_share       0 to 0.001, at 5 to 200 Hz
+///   latency_us            50 to 500, log-uniform; its jitter 0.05 to 0.3 of it
+///   readout_events_per_s  2e6 to 5e7, log-uniform; 64 to 1,024 wait
+///
+/// `citysim realism` compares them with real excerpts; over a scrolling texture their statistics take in
+/// those of a DAVIS240C beside a slider (a test).
 [[nodiscard]] DvsParameters draw_dvs_parameters(std::uint64_t seed, bool night);
 
+struct NamedValue {
+  std::string_view name;
+  double value = 0;
+};
+/// Every parameter under the name of its member, in their order: for a recording's metadata.
+[[nodiscard]] std::vector<NamedValue> describe(const DvsParameters& parameters);
+
+/// Each event that passes the refractory period is in `signal_events` or `noise_events`; their sum is what
+/// came out, what still waits, and `readout_dropped`.
 struct DvsCounters {
-  std::uint64_t signal_events = 0;  ///< from contrast
-  std::uint64_t noise_events = 0;   ///< leak, shot noise, hot pixels
-  std::uint64_t refractory_dropped = 0;
+  std::uint64_t signal_events = 0;       ///< from contrast
+  std::uint64_t noise_events = 0;        ///< leak, shot noise, hot pixels
+  std::uint64_t refractory_dropped = 0;  ///< of both kinds
   std::uint64_t readout_dropped = 0;
 };
 
@@ -48,13 +80,17 @@ struct LightView {
 
 class Dvs {
  public:
+  /// At most 2^21 pixels. Throws std::invalid_argument when the size or a parameter is out of range.
   Dvs(int width_px, int height_px, const DvsParameters& parameters, std::uint64_t seed);
   ~Dvs();
 
-  /// The next views, rising in time, the first ever sets the reference levels. Log light is taken as linear
-  /// between two views; reference levels are carried exactly. Appends events in order of time, row, column;
-  /// an event whose stamp may still be overtaken waits for a later call. Same bytes for any number of
-  /// workers.
+  /// The next views, rising in time (by at most 12 days in all), the first ever sets the reference levels.
+  /// Log light is taken as linear between two views; below 1e-6 and above 1e6 it counts as that bound.
+  /// Levels are integers of 2^-24, so references are carried exactly; a stamp is the microsecond in which
+  /// its crossing lies, plus latency. Appends events in order of time, row, column; an event whose stamp may
+  /// still be overtaken waits for a later call. Same bytes for any number of workers, and however the views
+  /// are cut into calls. Throws std::invalid_argument, before anything is done, on times that do not rise or
+  /// a view of the wrong size.
   void show(std::span<const LightView> views, Workers& workers, std::vector<Event>& events);
   /// What still waits, at the end.
   void finish(std::vector<Event>& events);
