@@ -28,7 +28,6 @@ libyaml-cpp-dev /usr/include/yaml-cpp/yaml.h,/usr/local/include/yaml-cpp/yaml.h
 liblz4-dev /usr/include/lz4frame.h,/usr/local/include/lz4frame.h
 libzstd-dev /usr/include/zstd.h,/usr/local/include/zstd.h
 hdf5-filter-plugin-blosc-serial /usr/lib/*/hdf5/serial/plugins/libH5Zblosc.so,/usr/local/hdf5/lib/plugin/libH5Zblosc.so
-hdf5-plugin-lzf /usr/lib/*/hdf5/serial/plugins/liblzf_filter.so,/usr/local/hdf5/lib/plugin/liblzf_filter.so
 ROWS
       ;;
     format) echo "clang-format clang-format,clang-format-14" ;;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "recording/error.hpp"
+#include "recording/lzf.hpp"
 
 #ifdef EGOFOCUS_HAVE_HDF5
 #include <hdf5.h>
@@ -50,10 +51,33 @@ constexpr Filter kFilters[] = {
     {307, "bzip2", "hdf5-filter-plugin"},        {32004, "LZ4", "hdf5-filter-plugin"},
     {32008, "bitshuffle", "hdf5-filter-plugin"}, {32013, "ZFP", "hdf5-filter-plugin-zfp-serial"}};
 
-/// The library prints its own stack of errors on stderr otherwise.
-void be_quiet() {
-  static const herr_t done = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  (void)done;
+constexpr H5Z_filter_t kLzf = 32000;
+
+/// The library's own signature: `*buffer` holds `bytes` packed bytes, and is replaced. 0: damaged.
+std::size_t lzf_filter(unsigned flags, std::size_t value_count, const unsigned values[], std::size_t bytes,
+                       std::size_t* buffer_bytes, void** buffer) {
+  // h5py's third value is the size of a chunk.
+  const std::size_t room = value_count >= 3 ? values[2] : 0;
+  if ((flags & H5Z_FLAG_REVERSE) == 0 || room == 0 || room > kMostRowValues * sizeof(double)) return 0;
+  void* const unpacked = H5allocate_memory(room, false);
+  if (!unpacked) return 0;
+  const std::optional<std::size_t> size = unpack_lzf({static_cast<const std::uint8_t*>(*buffer), bytes},
+                                                     {static_cast<std::uint8_t*>(unpacked), room});
+  if (!size || *size == 0) {
+    H5free_memory(unpacked);
+    return 0;
+  }
+  H5free_memory(*buffer);
+  *buffer = unpacked;
+  *buffer_bytes = room;
+  return *size;
+}
+
+/// Errors are ours to report, not printed by the library; LZF is read wherever no plugin does.
+void set_up_library() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  static constexpr H5Z_class2_t kClass{H5Z_CLASS_T_VERS, kLzf, 0, 1, "lzf", nullptr, nullptr, lzf_filter};
+  if (H5Zfilter_avail(kLzf) <= 0) H5Zregister(&kClass);
 }
 
 }  // namespace
@@ -140,7 +164,7 @@ void Hdf5Dataset::read(std::uint64_t first, std::size_t count, std::span<std::in
 }
 
 Hdf5File::Hdf5File(std::filesystem::path path) : path_(std::move(path)) {
-  be_quiet();
+  set_up_library();
   if (!std::ifstream(path_, std::ios::binary))
     throw Error(ExitCode::kFile, path_.string(), "cannot be opened. Check the path and the permissions.");
   if (!is_hdf5(path_)) throw Error(ExitCode::kBadFile, path_.string(), "is no HDF5 file.");
