@@ -16,7 +16,7 @@ STEPS=(
   "nehalem|build test qemu|600|release|kernel tests on an emulated x86 without AVX"
   "install|build test install|600||a consumer of the installed library: static and shared, CMake and pkg-config"
   "install-aarch64|build test install aarch64 qemu|600||the same against the 64-bit ARM tree, run emulated"
-  "fuzz|build test clang|400||every fuzzer, 60 s in all"
+  "fuzz|build convert test clang|400||every fuzzer, 60 s in all"
   "readme|build test|120|dev|the C++ example of the README compiles and links"
   "golden|test|30|dev release clang aarch64 armv7|the golden replay was run, and equal, in every build"
 )

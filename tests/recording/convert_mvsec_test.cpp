@@ -5,6 +5,7 @@
 #include "recording/converted.hpp"
 #include "recording/hdf5_writer.hpp"
 #include "recording/lzf.hpp"
+#include "recording/replay.hpp"
 #include "recording/temporary_folder.hpp"
 #include "recording/text_file.hpp"
 
@@ -178,6 +179,9 @@ TEST_CASE("MVSEC: events, poses, IMU and depth of the left camera") {
   CHECK(config.camera.intrinsics.fy_px == kFy);
   CHECK(config.grid.width_px == kWidth);
   CHECK(config.motion.source == MotionSource::kPoses);
+  const Replay replay(open_folder(set / "out"));
+  CHECK(replay.event_count() == 150000);
+  CHECK(replay.default_first_tick_us() == 450000);
 
   REQUIRE(folder.poses.size() == 40);
   const PoseSample& pose = folder.poses[3];
