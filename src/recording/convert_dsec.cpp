@@ -101,7 +101,7 @@ std::vector<std::int64_t> read_timestamps(const fs::path& path) {
 }
 
 void add_depth(const fs::path& pictures, const fs::path& times_path, const RectifiedView& view,
-               RecordingBuilder& builder) {
+               const ConvertOptions& options, RecordingBuilder& builder) {
   std::vector<fs::path> paths;
   for (const fs::directory_entry& entry : fs::directory_iterator(pictures)) {
     if (entry.path().extension() == ".png") paths.push_back(entry.path());
@@ -120,6 +120,7 @@ void add_depth(const fs::path& pictures, const fs::path& times_path, const Recti
       throw Error(ExitCode::kBadFile, paths[i].string(),
                   "has another size than camRect0 in cam_to_cam.yaml.");
     builder.add_depth(times[i], depth_of_disparity(disparity, view, builder.camera.config.grid));
+    if (options.progress) options.progress(i + 1, paths.size());
   }
 }
 
@@ -155,7 +156,7 @@ ConvertReport convert_dsec(const fs::path& input, const fs::path& output, const 
   const fs::path pictures = first_there(input, {"disparity/event", "disparity_event"});
   const fs::path times = first_there(input, {"disparity/timestamps.txt", "disparity_timestamps.txt"});
   if (!pictures.empty() && !times.empty()) {
-    add_depth(pictures, times, read_view(yaml), builder);
+    add_depth(pictures, times, read_view(yaml), options, builder);
   } else if (!pictures.empty()) {
     throw Error(ExitCode::kFile, pictures.string(),
                 "has no timestamps.txt beside it: its times are not known.");

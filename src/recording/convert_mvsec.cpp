@@ -127,7 +127,8 @@ void add_poses(const Hdf5File& file, const RigidTransform& left_from_camera, Rec
   }
 }
 
-void add_depth(const Hdf5File& file, const std::string& side, RecordingBuilder& builder) {
+void add_depth(const Hdf5File& file, const std::string& side, const ConvertOptions& options,
+               RecordingBuilder& builder) {
   const Hdf5Dataset set = file.dataset(side + "/depth_image_raw", 3, Hdf5Type::kFloat);
   const std::vector<std::int64_t> times = read_times(file, side + "/depth_image_raw_ts");
   require_pairs(set, times.size());
@@ -137,10 +138,12 @@ void add_depth(const Hdf5File& file, const std::string& side, RecordingBuilder& 
       set.dims()[2] != static_cast<std::uint64_t>(in.width_px)) {
     throw Error(ExitCode::kBadFile, set.where(), "its pictures have another size than the calibration says.");
   }
+  const Undistortion undistortion(camera, builder.camera.config.grid);
   Picture<float> raw(in.width_px, in.height_px);
   for (std::size_t i = 0; i < times.size(); ++i) {
     set.read(i, 1, raw.pixels);
-    builder.add_depth(times[i], undistorted_depth(raw, camera, builder.camera.config.grid));
+    builder.add_depth(times[i], undistortion.depth(raw));
+    if (options.progress) options.progress(i + 1, times.size());
   }
 }
 
@@ -197,7 +200,7 @@ ConvertReport convert_mvsec(const fs::path& input, const fs::path& output, const
   }
   name_left_out(data, side, builder);
   if (truth) {
-    if (truth->has(side + "/depth_image_raw")) add_depth(*truth, side, builder);
+    if (truth->has(side + "/depth_image_raw")) add_depth(*truth, side, options, builder);
     name_left_out(*truth, side, builder);
   }
   return builder.finish(data_path.string());

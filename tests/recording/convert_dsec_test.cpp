@@ -255,4 +255,12 @@ TEST_CASE("DSEC: a filter that is nowhere installed is named") {
   set.write_events(kOwn);
   REQUIRE(H5Zunregister(kOwn) >= 0);
   CHECK_THAT(refuse(set, ExitCode::kFile), Contains("HDF5 filter 32765, whose plugin is missing"));
+
+  if (!filter_available(kBlosc)) return;  // the test above says so
+  set.write_events(kBlosc);
+  H5Zunregister(kBlosc);
+  REQUIRE(H5PLset_loading_state(0) >= 0);
+  CHECK_THAT(refuse(set, ExitCode::kFile), Contains("compressed with Blosc") &&
+                                               Contains("apt-get install hdf5-filter-plugin-blosc-serial"));
+  REQUIRE(H5PLset_loading_state(H5PL_ALL_PLUGIN) >= 0);
 }

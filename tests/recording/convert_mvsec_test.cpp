@@ -154,7 +154,9 @@ TEST_CASE("MVSEC: events, poses, IMU and depth of the left camera") {
   CHECK(guess_format(set.path()) == InputFormat::kMvsec);
   std::size_t progress = 0;
   ConvertOptions options;
-  options.progress = [&](std::size_t done, std::size_t all) { progress = all == 150000 ? done : 0; };
+  options.progress = [&](std::size_t done, std::size_t all) {
+    if (all == 150000) progress = done;
+  };
   const ConvertReport report = convert(InputFormat::kMvsec, set.path(), set / "out", options);
   CHECK(report.events == 150000);
   CHECK(progress == 150000);
