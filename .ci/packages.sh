@@ -22,6 +22,14 @@ ccache ccache
 python3 python3
 ROWS
       ;;
+    convert) cat <<'ROWS'
+libhdf5-dev /usr/include/hdf5/serial/hdf5.h,/usr/include/hdf5.h,/usr/local/include/hdf5.h
+libyaml-cpp-dev /usr/include/yaml-cpp/yaml.h,/usr/local/include/yaml-cpp/yaml.h
+liblz4-dev /usr/include/lz4frame.h,/usr/local/include/lz4frame.h
+libzstd-dev /usr/include/zstd.h,/usr/local/include/zstd.h
+hdf5-filter-plugin-blosc-serial /usr/lib/*/hdf5/serial/plugins/libH5Zblosc.so,/usr/local/hdf5/lib/plugin/libH5Zblosc.so
+ROWS
+      ;;
     format) echo "clang-format clang-format,clang-format-14" ;;
     clang) cat <<'ROWS'
 clang clang++

@@ -1,3 +1,5 @@
+#include "recording/convert.hpp"
+
 #include <memory>
 #include <string>
 
@@ -5,7 +7,6 @@
 #include "core/decimal.hpp"
 #include "json.hpp"
 #include "progress.hpp"
-#include "recording/convert_ecd.hpp"
 #include "recording/error.hpp"
 
 namespace egofocus::app {
@@ -14,9 +15,12 @@ namespace {
 struct Arguments {
   std::string input;
   std::string output;
-  std::string format = "ecd";
+  std::string format;
   std::string size;
   std::string t0;
+  std::string kalibr;
+  std::string poses;
+  std::string camera = "left";
   double z_near_m = 0.5;
   bool json = false;
 };
@@ -43,24 +47,20 @@ std::int64_t parse_t0(const std::string& text) {
   return t_us;
 }
 
-void run(const Arguments& arguments) {
-  Progress progress("reading events");
-  recording::EcdOptions options;
-  if (!arguments.size.empty()) options.size = parse_size(arguments.size);
-  if (!arguments.t0.empty()) options.t0_us = parse_t0(arguments.t0);
-  options.z_near_m = arguments.z_near_m;
-  options.progress = [&progress](std::size_t done, std::size_t all) { progress.show(done, all); };
-  const recording::EcdReport report = recording::convert_ecd(arguments.input, arguments.output, options);
+std::string list_text(const std::vector<std::string>& entries, const char* between) {
+  std::string text;
+  for (const std::string& entry : entries) text += (text.empty() ? "" : between) + entry;
+  return text;
+}
 
-  std::string left_out;
-  for (const std::string& name : report.left_out) left_out += (left_out.empty() ? "" : ", ") + name;
+Json facts_of(const recording::ConvertReport& report, const std::string& output) {
   Json dropped;
   dropped.add("malformed", report.malformed)
       .add("out_of_order", report.out_of_order)
       .add("out_of_range", report.out_of_range)
       .add("before_t0", report.before_t0);
   Json facts;
-  facts.add("recording", arguments.output)
+  facts.add("recording", output)
       .add("width_px", report.size.width_px)
       .add("height_px", report.size.height_px)
       .add("t0_us", report.t0_us)
@@ -68,23 +68,59 @@ void run(const Arguments& arguments) {
       .add("first_us", report.first_us)
       .add("last_us", report.last_us)
       .add("poses", report.poses)
+      .add("poses_dropped", report.poses_dropped)
+      .add("widest_pose_gap_us", report.widest_pose_gap_us)
       .add("events_before_poses", report.events_before_poses)
       .add("events_after_poses", report.events_after_poses)
+      .add("imu_samples", report.imu_samples)
+      .add("imu_dropped", report.imu_dropped)
+      .add("depth_pictures", report.depth_pictures)
+      .add("depth_dropped", report.depth_dropped)
+      .add("depth_out_of_scale", report.depth_out_of_scale)
       .add("dropped_events", dropped)
-      .add("files_left_out", left_out);
+      .add("files_left_out", list_text(report.left_out, ", "))
+      .add("remarks", list_text(report.remarks, " "));
+  return facts;
+}
+
+void run(const Arguments& arguments) {
+  recording::ConvertOptions options;
+  if (!arguments.size.empty()) options.size = parse_size(arguments.size);
+  if (!arguments.t0.empty()) options.t0_us = parse_t0(arguments.t0);
+  options.z_near_m = arguments.z_near_m;
+  options.kalibr = arguments.kalibr;
+  options.poses = arguments.poses;
+  options.camera = arguments.camera == "right" ? recording::CameraSide::kRight : recording::CameraSide::kLeft;
+  const recording::InputFormat format = arguments.format.empty()
+                                            ? recording::guess_format(arguments.input)
+                                            : *recording::input_format_of(arguments.format);
+  recording::ConvertReport report;
+  {
+    Progress progress("converting");
+    options.progress = [&progress](std::size_t done, std::size_t all) { progress.show(done, all); };
+    report = recording::convert(format, arguments.input, arguments.output, options);
+  }
+  const Json facts = facts_of(report, arguments.output);
   std::puts((arguments.json ? facts.json() : facts.text()).c_str());
 }
 
 }  // namespace
 
 void add_convert(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("convert", "make a recording folder from a text set");
+  CLI::App* command = program.add_subcommand("convert", "make a recording folder from another layout");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("INPUT_DIR", arguments->input, "folder with events.txt, calib.txt, groundtruth.txt")
+  command
+      ->add_option("INPUT", arguments->input, "ECD folder, MVSEC *_data.hdf5, DSEC sequence or AEDAT4 file")
       ->required();
   command->add_option("OUTPUT_DIR", arguments->output, "recording folder to make")->required();
-  command->add_option("--format", arguments->format, "layout of the input")
-      ->check(CLI::IsMember({"ecd"}))
+  command->add_option("--format", arguments->format, "layout of the input (default: guessed from it)")
+      ->check(CLI::IsMember({"ecd", "mvsec", "dsec", "aedat4"}));
+  command->add_option("--kalibr", arguments->kalibr,
+                      "calibration, a Kalibr camchain (MVSEC: default is the one beside the data)");
+  command->add_option("--poses", arguments->poses,
+                      "poses of the event camera, t px py pz qx qy qz qw, on the input's clock");
+  command->add_option("--camera", arguments->camera, "of a stereo pair (MVSEC, AEDAT4)")
+      ->check(CLI::IsMember({"left", "right"}))
       ->capture_default_str();
   command->add_option("--size", arguments->size,
                       "sensor, such as 240x180 (default: from calibration and events)");
@@ -94,7 +130,13 @@ void add_convert(CLI::App& program) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "report as JSON");
-  command->footer("Example: egofocus convert slider_depth out/slider --size 240x180");
+  command->footer(
+      "Examples:\n"
+      "  egofocus convert slider_depth out/slider --size 240x180\n"
+      "  egofocus convert indoor_flying1_data.hdf5 out/flying --kalibr camchain-imucam-indoor_flying.yaml\n"
+      "  egofocus convert zurich_city_00_a out/zurich --poses zurich_city_00_a/poses.txt --z-near 3\n"
+      "  egofocus convert dvSave.aedat4 out/desk --kalibr camchain.yaml --poses poses.txt\n"
+      "docs/formats.md says what each layout must hold and what becomes of it.");
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -12,7 +12,7 @@ constexpr const char* kExamples = R"(Examples:
   egofocus replay fixtures/planes --out out/planes     depth of a recording, with pictures
   egofocus info fixtures/planes                        what is in a recording
   egofocus info events.raw --json                      the same of one file, for programs
-  egofocus convert slider_depth out/slider             a recording from a text set (ECD, RPG)
+  egofocus convert slider_depth out/slider             a recording from ECD, MVSEC, DSEC or AEDAT4 files
 
 Exit codes: 0 ok, 1 internal error, 2 wrong command line, 3 file missing or unreadable, 4 bad or truncated file,
 5 bad configuration, 6 no motion or a gap in it, 7 no events.)";

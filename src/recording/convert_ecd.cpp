@@ -4,12 +4,9 @@
 
 #include "core/decimal.hpp"
 #include "hal/text_words.hpp"
-#include "recording/camera_toml.hpp"
 #include "recording/error.hpp"
-#include "recording/folder.hpp"
 #include "recording/mapped_file.hpp"
-#include "recording/pose_file.hpp"
-#include "recording/raw_file.hpp"
+#include "recording/recording_builder.hpp"
 #include "recording/text_events.hpp"
 #include "recording/text_file.hpp"
 
@@ -17,9 +14,6 @@ namespace egofocus::recording {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::int64_t kHourUs = 3600LL * 1000000;
-constexpr std::uint16_t kMaxSidePx = 2048;  // EVT3 addresses have 11 bits
 
 struct Calibration {
   double fx, fy, cx, cy;
@@ -51,12 +45,9 @@ bool fits(const Calibration& calibration, SensorSize size) {
   return central(calibration.cx, size.width_px) && central(calibration.cy, size.height_px);
 }
 
-SensorSize choose_size(const EcdOptions& options, const Calibration& calibration,
+SensorSize choose_size(const ConvertOptions& options, const Calibration& calibration,
                        const std::vector<Event>& events) {
   if (options.size) {
-    if (options.size->width_px > kMaxSidePx || options.size->height_px > kMaxSidePx) {
-      throw Error(ExitCode::kUsage, "--size", "at most 2048x2048 px fit into events.raw.");
-    }
     if (!fits(calibration, *options.size)) {
       throw Error(ExitCode::kConfiguration, "calib.txt",
                   "its cx, cy do not lie near the middle of --size. Is this the right sensor?");
@@ -86,91 +77,43 @@ fs::path find_events(const fs::path& input) {
               "holds neither events.txt nor events_chunk.txt. Is this an ECD folder?");
 }
 
-/// Moves the origin, drops what lies before it or outside the sensor, and counts both.
-void move_events(std::vector<Event>& events, EcdReport& report) {
-  const auto dropped = [&report](Event& event) {
-    event.t_us -= report.t0_us;
-    if (event.t_us < 0) {
-      ++report.before_t0;
-      return true;
-    }
-    const bool outside = event.x >= report.size.width_px || event.y >= report.size.height_px;
-    report.out_of_range += outside ? 1 : 0;
-    return outside;
-  };
-  std::vector<Event> kept;
-  for (Event event : events) {
-    if (!dropped(event)) kept.push_back(event);
-  }
-  events.swap(kept);
-}
-
-CameraFile camera_of(const Calibration& calibration, SensorSize size, double z_near_m) {
-  CameraFile file;
-  Config& config = file.config;
-  config.camera.intrinsics = {size.width_px,  size.height_px, calibration.fx,
-                              calibration.fy, calibration.cx, calibration.cy};
+CameraModel camera_of(const Calibration& calibration, SensorSize size) {
+  CameraModel camera;
+  camera.intrinsics = {size.width_px,  size.height_px, calibration.fx,
+                       calibration.fy, calibration.cx, calibration.cy};
   for (std::size_t i = 0; i < 5; ++i) {
-    config.camera.coefficients[i] = calibration.coefficients[i];
-    if (calibration.coefficients[i] != 0) config.camera.distortion = Distortion::kPlumbBob;
+    camera.coefficients[i] = calibration.coefficients[i];
+    if (calibration.coefficients[i] != 0) camera.distortion = Distortion::kPlumbBob;
   }
-  config.grid = config.camera.intrinsics;
-  config.ladder.z_near_m = z_near_m;
-  config.motion.source = MotionSource::kPoses;
-  return file;
+  return camera;
 }
 
 }  // namespace
 
-EcdReport convert_ecd(const fs::path& input, const fs::path& output, const EcdOptions& options) {
-  if (is_recording(output)) {
-    throw Error(ExitCode::kUsage, output.string(),
-                "already holds a recording. Choose another folder, or remove it first.");
-  }
+ConvertReport convert_ecd(const fs::path& input, const fs::path& output, const ConvertOptions& options) {
+  RecordingBuilder builder(output, options);
   const fs::path events_path = find_events(input);
   const Calibration calibration = read_calibration(input / "calib.txt");
-  const fs::path poses_path = input / "groundtruth.txt";
+  const fs::path poses_path = options.poses.empty() ? input / "groundtruth.txt" : options.poses;
   if (!fs::exists(poses_path)) {
     throw Error(ExitCode::kMotion, poses_path.string(),
                 "is missing, so the recording would have no motion. Without poses there is no depth.");
   }
-  std::vector<PoseSample> poses = parse_poses(MappedFile(poses_path).text(), poses_path.string());
-  TextEvents text = parse_text_events(MappedFile(events_path).text(), options.progress);
+  builder.read_poses(poses_path);
+  const TextEvents text = parse_text_events(MappedFile(events_path).text(), options.progress);
   if (text.events.empty()) {
     throw Error(ExitCode::kNoEvents, events_path.string(),
                 "holds no event `t x y p` (" + std::to_string(text.malformed) +
                     " malformed lines). Is it the right file?");
   }
-
-  EcdReport report;
-  report.malformed = text.malformed;
-  report.out_of_order = text.out_of_order;
-  report.size = choose_size(options, calibration, text.events);
-  const std::int64_t first_us = text.events.front().t_us;
-  report.t0_us = options.t0_us.value_or(first_us > kHourUs ? first_us / 1000000 * 1000000 : 0);
-  move_events(text.events, report);
-  if (text.events.empty()) {
-    throw Error(ExitCode::kNoEvents, events_path.string(), "has no event inside the sensor after --t0.");
-  }
-  for (PoseSample& pose : poses) pose.t_us -= report.t0_us;
-  report.events = text.events.size();
-  report.first_us = text.events.front().t_us;
-  report.last_us = text.events.back().t_us;
-  report.poses = poses.size();
-  for (const Event& event : text.events) {
-    if (poses.empty() || event.t_us < poses.front().t_us) ++report.events_before_poses;
-    if (!poses.empty() && event.t_us > poses.back().t_us) ++report.events_after_poses;
-  }
+  builder.report.malformed = text.malformed;
+  builder.report.out_of_order = text.out_of_order;
   for (const char* name : {"imu.txt", "images.txt"}) {
-    if (fs::exists(input / name)) report.left_out.emplace_back(name);
+    if (fs::exists(input / name)) builder.report.left_out.emplace_back(name);
   }
-
-  std::error_code failure;
-  fs::create_directories(output, failure);
-  write_camera_toml(output / "camera.toml", camera_of(calibration, report.size, options.z_near_m));
-  write_text_file(output / "poses.txt", poses_text(poses));
-  write_raw_file(output / "events.raw", text.events, report.size);
-  return report;
+  builder.set_camera(camera_of(calibration, choose_size(options, calibration, text.events)), "--size");
+  builder.add_events(text.events);
+  return builder.finish(events_path.string());
 }
 
 }  // namespace egofocus::recording

@@ -35,5 +35,18 @@ run 6 'no motion' info "$work/folder"
 run 3 'neither events.txt' convert "$work/folder" "$work/out"
 run 2 'must look like' convert "$work/folder" "$work/out" --size 24
 run 2 'number of seconds' convert "$work/folder" "$work/out" --t0 noon
+run 0 'Examples:' convert --help
+run 2 'rosbag not in' convert "$work/folder" "$work/out" --format rosbag
+refuse 3 'nowhere: cannot be opened' convert "$work/nowhere" "$work/out"
+refuse 4 'no known layout' convert "$work/prose.txt" "$work/out"
+printf '#!AER-DAT4.0\r\n' >"$work/short.aedat4"
+refuse 4 'short.aedat4: is cut off' convert "$work/short.aedat4" "$work/out"
+mkdir "$work/set"
+printf '0.1 10 20 1\n' >"$work/set/events.txt"
+printf '199.5 200 120 90\n' >"$work/set/calib.txt"
+printf '0 0 0 0 0 0 0 1\n0.2 1 0 0 0 0 0 1\n' >"$work/set/groundtruth.txt"
+run 0 '"events": 1,.*"poses": 2,' convert "$work/set" "$work/out" --json
+refuse 2 'already holds a recording' convert "$work/set" "$work/out"
+[ ! -e "$work/out.partial" ] || { echo "FAILED: out.partial is left"; failures=$((failures + 1)); }
 
 finish

@@ -30,7 +30,7 @@ struct TextSet : TemporaryFolder {
   }
   void put(const std::string& name, const std::string& text) const { write_text_file(*this / name, text); }
 
-  [[nodiscard]] std::string complaint(ExitCode code, const EcdOptions& options = {}) const {
+  [[nodiscard]] std::string complaint(ExitCode code, const ConvertOptions& options = {}) const {
     try {
       (void)convert_ecd(path(), *this / "out", options);
     } catch (const Error& error) {
@@ -70,9 +70,9 @@ TEST_CASE("a text line is an event or is counted") {
 TEST_CASE("a text set becomes a recording, and what was dropped is counted") {
   TextSet set;
   set.put("imu.txt", "");
-  EcdOptions options;
+  ConvertOptions options;
   options.size = SensorSize{240, 180};
-  const EcdReport report = convert_ecd(set.path(), set / "out", options);
+  const ConvertReport report = convert_ecd(set.path(), set / "out", options);
   CHECK(report.events == 4);
   CHECK(report.out_of_range == 1);
   CHECK(report.out_of_order == 1);
@@ -109,13 +109,13 @@ TEST_CASE("times since an epoch are moved to a small origin") {
   TextSet set;
   set.put("events.txt", "1436509052.25 1 2 1\n1436509053.5 2 2 0\n");
   set.put("groundtruth.txt", "1436509052.2 0 0 0 0 0 0 1\n1436509052.25 0 0 0 0 0 0 1\n");
-  const EcdReport report = convert_ecd(set.path(), set / "out", {});
+  const ConvertReport report = convert_ecd(set.path(), set / "out", {});
   CHECK(report.t0_us == 1436509052000000);
   CHECK(report.first_us == 250000);
   CHECK(open_folder(set / "out").poses[0].t_us == 200000);
 
   std::filesystem::remove_all(set / "out");
-  EcdOptions later;
+  ConvertOptions later;
   later.t0_us = 1436509053000000;
   CHECK(convert_ecd(set.path(), set / "out", later).before_t0 == 1);
 }
@@ -138,10 +138,10 @@ TEST_CASE("a text set that cannot be converted says why") {
   set.put("events.txt", "a b c d\n");
   CHECK_THAT(set.complaint(ExitCode::kNoEvents), Contains("1 malformed lines"));
   set.put("events.txt", "5.0 1 1 1\n");
-  EcdOptions late;
+  ConvertOptions late;
   late.t0_us = 6000000;
   CHECK_THAT(set.complaint(ExitCode::kNoEvents, late), Contains("--t0"));
-  EcdOptions wrong;
+  ConvertOptions wrong;
   wrong.size = SensorSize{1280, 720};
   CHECK_THAT(set.complaint(ExitCode::kConfiguration, wrong), Contains("near the middle"));
 }
@@ -154,7 +154,7 @@ TEST_CASE("the real slider converts without loss") {
     return;
   }
   const TemporaryFolder folder;
-  const EcdReport report = convert_ecd(real / "slider_depth", folder / "out", {});
+  const ConvertReport report = convert_ecd(real / "slider_depth", folder / "out", {});
   CHECK(report.size.width_px == 240);
   CHECK(report.events == 50000);
   CHECK(report.malformed + report.out_of_order + report.out_of_range + report.before_t0 == 0);

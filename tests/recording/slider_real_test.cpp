@@ -118,7 +118,7 @@ TEST_CASE("real events: the slider's depth reaches the published sweep and beyon
     if (!valid[i]) reference[i] = 0;
   }
   const TemporaryFolder folder;
-  EcdOptions options;
+  ConvertOptions options;
   options.z_near_m = 0.4;
   REQUIRE(convert_ecd(real, folder / "slider", options).events == 50000);
 
