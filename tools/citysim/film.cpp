@@ -8,7 +8,7 @@
 namespace egofocus::citysim {
 namespace {
 
-constexpr int kBatch = 12;                      // views rendered at once
+constexpr int kBatch = 12;                       // views rendered at once
 constexpr std::int64_t kLongestBatchUs = 12000;  // speeds are measured once a batch
 constexpr std::int64_t kShortestStepUs = 100;
 constexpr std::int64_t kLongestStepUs = 5000;
@@ -98,8 +98,8 @@ void Film::run_to(std::int64_t t_us, std::vector<Event>& events) {
     const std::int64_t step =
         std::clamp(static_cast<std::int64_t>(1e6 * kStep_px / speed), kShortestStepUs, longest);
     std::vector<std::int64_t> times;
-    for (std::int64_t t = last_us_; t < t_us && static_cast<int>(times.size()) < kBatch &&
-                                    t - last_us_ < kLongestBatchUs;) {
+    for (std::int64_t t = last_us_;
+         t < t_us && static_cast<int>(times.size()) < kBatch && t - last_us_ < kLongestBatchUs;) {
       t = std::min(t + step, t_us);
       times.push_back(t);
     }

@@ -20,8 +20,8 @@ class Film {
  public:
   Film(const World& world, Workers& workers, std::uint64_t seed);
 
-  /// Goes on to `t_us`, which is a view itself; appends the events on the way. Events whose stamps may still be
-  /// overtaken come with the next call.
+  /// Goes on to `t_us`, which is a view itself; appends the events on the way. Events whose stamps may still
+  /// be overtaken come with the next call.
   void run_to(std::int64_t t_us, std::vector<Event>& events);
   /// What still waits in the sensor, at the end.
   void finish(std::vector<Event>& events) { sensor_.finish(events); }

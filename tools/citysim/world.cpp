@@ -24,24 +24,74 @@ TownStyle town_style(Family family) {
   TownStyle s;
   switch (family) {
     case Family::kTown2Night:
-      s = {.night = true, .block_m = 60, .street_half_m = 5.2, .pavement_m = 3.0, .houses = 0.95, .trees = 0.25,
-           .parked = 0.6, .traffic = 0.5, .people = 0.6, .clutter = 0.5, .slope = 0.02, .lamp_m = 20};
+      s = {.night = true,
+           .block_m = 60,
+           .street_half_m = 5.2,
+           .pavement_m = 3.0,
+           .houses = 0.95,
+           .trees = 0.25,
+           .parked = 0.6,
+           .traffic = 0.5,
+           .people = 0.6,
+           .clutter = 0.5,
+           .slope = 0.02,
+           .lamp_m = 20};
       break;
     case Family::kTown3:
-      s = {.night = false, .block_m = 95, .street_half_m = 7.0, .pavement_m = 4.0, .houses = 0.9, .trees = 0.5,
-           .parked = 0.3, .traffic = 0.8, .people = 0.5, .clutter = 0.3, .slope = 0.01, .lamp_m = 35};
+      s = {.night = false,
+           .block_m = 95,
+           .street_half_m = 7.0,
+           .pavement_m = 4.0,
+           .houses = 0.9,
+           .trees = 0.5,
+           .parked = 0.3,
+           .traffic = 0.8,
+           .people = 0.5,
+           .clutter = 0.3,
+           .slope = 0.01,
+           .lamp_m = 35};
       break;
     case Family::kTown4:
-      s = {.night = false, .block_m = 55, .street_half_m = 4.6, .pavement_m = 2.0, .houses = 0.95, .trees = 0.35,
-           .parked = 0.5, .traffic = 0.4, .people = 0.5, .clutter = 0.7, .slope = 0.06, .lamp_m = 28};
+      s = {.night = false,
+           .block_m = 55,
+           .street_half_m = 4.6,
+           .pavement_m = 2.0,
+           .houses = 0.95,
+           .trees = 0.35,
+           .parked = 0.5,
+           .traffic = 0.4,
+           .people = 0.5,
+           .clutter = 0.7,
+           .slope = 0.06,
+           .lamp_m = 28};
       break;
     case Family::kTown5Night:
-      s = {.night = true, .block_m = 80, .street_half_m = 5.6, .pavement_m = 2.5, .houses = 0.75, .trees = 0.6,
-           .parked = 0.4, .traffic = 0.4, .people = 0.3, .clutter = 0.4, .slope = 0.05, .lamp_m = 38};
+      s = {.night = true,
+           .block_m = 80,
+           .street_half_m = 5.6,
+           .pavement_m = 2.5,
+           .houses = 0.75,
+           .trees = 0.6,
+           .parked = 0.4,
+           .traffic = 0.4,
+           .people = 0.3,
+           .clutter = 0.4,
+           .slope = 0.05,
+           .lamp_m = 38};
       break;
     default:
-      s = {.night = false, .block_m = 75, .street_half_m = 5.6, .pavement_m = 2.5, .houses = 0.7, .trees = 0.7,
-           .parked = 0.4, .traffic = 0.4, .people = 0.35, .clutter = 0.4, .slope = 0.06, .lamp_m = 35};
+      s = {.night = false,
+           .block_m = 75,
+           .street_half_m = 5.6,
+           .pavement_m = 2.5,
+           .houses = 0.7,
+           .trees = 0.7,
+           .parked = 0.4,
+           .traffic = 0.4,
+           .people = 0.35,
+           .clutter = 0.4,
+           .slope = 0.06,
+           .lamp_m = 35};
       break;
   }
   return s;
@@ -85,17 +135,19 @@ Motion drive_town(const Scene& scene, bool small, double duration_s, std::uint64
   Trajectory way = drive(scene.ways, drive_style(vehicle, seed), duration_s, seed);
   const Vec3 at = small ? Vec3{random.uniform(0.1, 0.5), random.uniform(-0.1, 0.1), random.uniform(0.3, 1.1)}
                         : Vec3{random.uniform(1.0, 2.6), random.uniform(-0.4, 0.4), random.uniform(0.6, 2.5)};
-  return {std::move(way), mount(at, random.uniform(-0.12, 0.12), random.uniform(-0.1, 0.25), random.uniform(-0.06, 0.06)),
+  return {std::move(way),
+          mount(at, random.uniform(-0.12, 0.12), random.uniform(-0.1, 0.25), random.uniform(-0.06, 0.06)),
           small ? BusRobot::kDeliveryRobot : BusRobot::kCar};
 }
 
 Motion fly_room(const Scene& scene, double duration_s, std::uint64_t seed, Random random) {
   const bool drone = random.chance(0.4);
   const Flyer flyer = drone ? Flyer::kDrone : Flyer::kHand;
-  return {fly(scene.ways, fly_style(flyer, seed), duration_s, seed),
-          mount({random.uniform(0, 0.08), random.uniform(-0.02, 0.02), random.uniform(-0.05, 0.05)},
-                random.uniform(-0.05, 0.05), random.uniform(-0.1, 0.2), drone ? 0 : random.uniform(-0.3, 0.3)),
-          drone ? BusRobot::kDrone : BusRobot::kHand};
+  return {
+      fly(scene.ways, fly_style(flyer, seed), duration_s, seed),
+      mount({random.uniform(0, 0.08), random.uniform(-0.02, 0.02), random.uniform(-0.05, 0.05)},
+            random.uniform(-0.05, 0.05), random.uniform(-0.1, 0.2), drone ? 0 : random.uniform(-0.3, 0.3)),
+      drone ? BusRobot::kDrone : BusRobot::kHand};
 }
 
 Motion slide_desk(const Scene& scene, double duration_s, std::uint64_t seed, Random random) {
@@ -131,7 +183,8 @@ std::string_view name_of(Family family) {
 }
 
 World make_world(Family family, const WorldOptions& options, std::uint64_t seed) {
-  if (options.width_px < 64 || options.width_px > 1280 || options.height_px < 64 || options.height_px > 1280) {
+  if (options.width_px < 64 || options.width_px > 1280 || options.height_px < 64 ||
+      options.height_px > 1280) {
     throw std::invalid_argument("a picture's sides must lie within 64..1280 px");
   }
   if (!(options.duration_s > 0 && options.duration_s <= 1000)) {
@@ -146,12 +199,19 @@ World make_world(Family family, const WorldOptions& options, std::uint64_t seed)
   const bool small_robot = random.chance(0.25);  // in towns
   Scene scene;
   switch (family) {
-    case Family::kRoom: scene = make_room(library, seed); break;
-    case Family::kDesk: scene = make_desk(library, seed); break;
-    case Family::kCorridor: scene = make_corridor(1.6 * duration_s + 10, library, seed); break;
+    case Family::kRoom:
+      scene = make_room(library, seed);
+      break;
+    case Family::kDesk:
+      scene = make_desk(library, seed);
+      break;
+    case Family::kCorridor:
+      scene = make_corridor(1.6 * duration_s + 10, library, seed);
+      break;
     default:
       // Cars make 15 m/s at most on the whole, with stops.
-      scene = make_town(town_style(family), {(small_robot ? 3.0 : 16.0) * duration_s + 60, small_robot}, library, seed);
+      scene = make_town(town_style(family), {(small_robot ? 3.0 : 16.0) * duration_s + 60, small_robot},
+                        library, seed);
   }
   const Random mounting(seed, "mount");
   Motion motion = family == Family::kRoom       ? fly_room(scene, duration_s, seed, mounting)
@@ -173,10 +233,21 @@ World make_world(Family family, const WorldOptions& options, std::uint64_t seed)
     world.blur = random.uniform(0.03, 0.2);
   }
   switch (family) {
-    case Family::kRoom: world.z_near_m = 0.5; world.depth_scale_m = 1.0 / 2048; break;
-    case Family::kDesk: world.z_near_m = 0.35; world.depth_scale_m = 1e-4; break;
-    case Family::kCorridor: world.z_near_m = 0.7; world.depth_scale_m = 1.0 / 1024; break;
-    default: world.z_near_m = small_robot ? 1.0 : 2.0; break;
+    case Family::kRoom:
+      world.z_near_m = 0.5;
+      world.depth_scale_m = 1.0 / 2048;
+      break;
+    case Family::kDesk:
+      world.z_near_m = 0.35;
+      world.depth_scale_m = 1e-4;
+      break;
+    case Family::kCorridor:
+      world.z_near_m = 0.7;
+      world.depth_scale_m = 1.0 / 1024;
+      break;
+    default:
+      world.z_near_m = small_robot ? 1.0 : 2.0;
+      break;
   }
   return world;
 }

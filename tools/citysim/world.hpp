@@ -50,12 +50,12 @@ struct World {
   Scene scene;
   Trajectory trajectory;  ///< of the body
   Mount mount;
-  CameraModel camera;      ///< the sensor's, distorted
-  Intrinsics grid;         ///< undistorted, on which depth and pictures lie
-  double blur = 0;         ///< of the lens (Renderer)
+  CameraModel camera;  ///< the sensor's, distorted
+  Intrinsics grid;     ///< undistorted, on which depth and pictures lie
+  double blur = 0;     ///< of the lens (Renderer)
   DvsParameters sensor;
   BusRobot robot{};
-  double z_near_m = 2;     ///< [ladder] of its camera.toml
+  double z_near_m = 2;  ///< [ladder] of its camera.toml
   double depth_scale_m = 1.0 / 256;
 
   [[nodiscard]] RigidState camera_at(double t_s) const { return camera_on(trajectory.body_at(t_s), mount); }
