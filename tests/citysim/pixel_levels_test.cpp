@@ -116,6 +116,7 @@ TEST_CASE("crossings of a filtered pixel: each one, in order, at its time, turns
 
     // The oracle walks the closed form in steps of 0.5 us.
     std::vector<Crossing> expected;
+    std::vector<Level> thresholds;
     Comparators walked = c;
     const Level first_upper = c.upper;
     const Level first_lower = c.lower;
@@ -123,11 +124,13 @@ TEST_CASE("crossings of a filtered pixel: each one, in order, at its time, turns
       const double level = i == 6000 ? s.level1 : filtered(s, i / 6000.0);
       while (level >= walked.upper) {
         expected.push_back({i * 0.5, true});
+        thresholds.push_back(walked.upper);
         walked.lower = walked.upper - threshold;
         walked.upper += threshold;
       }
       while (level <= walked.lower) {
         expected.push_back({i * 0.5, false});
+        thresholds.push_back(walked.lower);
         walked.upper = walked.lower + threshold;
         walked.lower -= threshold;
       }
@@ -154,6 +157,10 @@ TEST_CASE("crossings of a filtered pixel: each one, in order, at its time, turns
       const double slope = std::abs(filtered(s, expected[i].after_us / 3000) -
                                     filtered(s, (expected[i].after_us - 0.5) / 3000));
       if (slope > 50) REQUIRE(std::abs(crossings[i].after_us - expected[i].after_us) < 1.0);
+      // The level itself, at the time that was found: right within 0.1 us, and the rounding of level1.
+      const double u = crossings[i].after_us / 3000;
+      const double per_tenth_us = std::abs(filtered(s, u + 5e-6) - filtered(s, u - 5e-6)) * 3.34;
+      REQUIRE(std::abs(filtered(s, u) - thresholds[i]) <= per_tenth_us + 2);
       turned += i > 0 && crossings[i].on != crossings[i - 1].on;
     }
     REQUIRE(c.upper == walked.upper);

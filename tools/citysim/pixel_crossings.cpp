@@ -2,6 +2,7 @@
 
 #include "citysim/logarithm.hpp"
 #include "citysim/low_pass.hpp"
+#include "core/elementary.hpp"
 
 namespace egofocus::citysim {
 namespace {
@@ -15,13 +16,23 @@ double level_at(const LevelStep& s, double u) {
   return s.log0 + rise + (s.level0 - s.log0) * part.decay - rise * part.lag;
 }
 
-/// Where a piece [begin, end] of the step, on which the level only rises or only falls, meets `target`.
-/// Newton's steps, halving where they leave the bracket. The slope is exact: d level / du = k (log - level).
-double meet(const LevelStep& s, double target, double begin, double end, bool rising) {
+/// A part of the step in which the level only rises or only falls.
+struct Piece {
+  double begin;
+  double end;
+  double begin_level;
+  double end_level;
+};
+
+/// Where the piece meets `target`, as a part of the step. Newton's steps from the chord, halving where they
+/// leave the bracket. The slope is exact: d level / du = k (log - level).
+double meet(const LevelStep& s, const Piece& piece, double target) {
+  const bool rising = piece.end_level > piece.begin_level;
   const double tolerance = kTolerance_us / s.span_us;
-  double low = begin;
-  double high = end;
-  double u = 0.5 * (low + high);
+  const double log_slope = s.log1 - s.log0;
+  double low = piece.begin;
+  double high = piece.end;
+  double u = low + (high - low) * ((target - piece.begin_level) / (piece.end_level - piece.begin_level));
   for (int i = 0; i < 60; ++i) {
     const double level = level_at(s, u);
     if ((level >= target) == rising) {
@@ -29,29 +40,38 @@ double meet(const LevelStep& s, double target, double begin, double end, bool ri
     } else {
       low = u;
     }
-    const double slope = s.k * (s.log0 + (s.log1 - s.log0) * u - level);
+    const double slope = s.k * (s.log0 + log_slope * u - level);
     double next = u + (target - level) / slope;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    const double moved = next > u ? next - u : u - next;
+    // What a Newton step leaves is its square times curvature / (2 slope).
+    double left = absolute((next - u) * (next - u) * s.k * (log_slope - slope) / (2.0 * slope));
+    if (!(next > low && next < high)) {
+      next = 0.5 * (low + high);
+      left = high - low;
+    }
     u = next;
-    if (moved < tolerance) break;
+    if (left < tolerance) break;
   }
   return u;
 }
 
-/// A piece that ends at `level`; `when(threshold, rising)` tells the time.
+/// All crossings on the way to `level`; `when(threshold)` tells the time.
 template <typename When>
 void follow(double level, Comparators& c, const When& when, std::vector<Crossing>& crossings) {
   while (level >= c.upper) {
-    crossings.push_back({when(c.upper, true), true});
+    crossings.push_back({when(c.upper), true});
     c.lower = c.upper - c.off;
     c.upper += c.on;
   }
   while (level <= c.lower) {
-    crossings.push_back({when(c.lower, false), false});
+    crossings.push_back({when(c.lower), false});
     c.upper = c.lower + c.on;
     c.lower -= c.off;
   }
+}
+
+void follow(const LevelStep& s, const Piece& piece, Comparators& c, std::vector<Crossing>& crossings) {
+  follow(
+      piece.end_level, c, [&](double target) { return s.span_us * meet(s, piece, target); }, crossings);
 }
 
 /// The part of the step at which the level turns, that is meets the log light; 0 when it does not.
@@ -67,21 +87,19 @@ double turning_part(const LevelStep& s) {
 
 void find_crossings(const LevelStep& s, Comparators& comparators, std::vector<Crossing>& crossings) {
   if (s.k < 0) {
-    const auto straight = [&](Level target, bool) {
-      return s.span_us * ((target - s.log0) / (s.log1 - s.log0));
-    };
+    const auto straight = [&](double target) { return s.span_us * ((target - s.log0) / (s.log1 - s.log0)); };
     follow(s.log1, comparators, straight, crossings);
     return;
   }
   const double turn = turning_part(s);
-  const auto before_turn = [&](Level target, bool rising) {
-    return s.span_us * meet(s, target, 0, turn, rising);
-  };
-  const auto after_turn = [&](Level target, bool rising) {
-    return s.span_us * meet(s, target, turn, 1, rising);
-  };
-  if (turn > 0) follow(level_at(s, turn), comparators, before_turn, crossings);
-  follow(s.level1, comparators, after_turn, crossings);
+  Piece piece{0, 1, s.level0, s.level1};
+  if (turn > 0) {
+    piece.end = turn;
+    piece.end_level = level_at(s, turn);
+    follow(s, piece, comparators, crossings);
+    piece = {turn, 1, piece.end_level, s.level1};
+  }
+  follow(s, piece, comparators, crossings);
 }
 
 }  // namespace egofocus::citysim
