@@ -151,13 +151,12 @@ Json image_json(const recording::ImageFact& image) {
 }  // namespace
 
 std::string eval_text(const SequenceScore& score, Mask mask) {
-  std::string text = format(
-      "%s: %zu of %zu truth images compared; %zu at no tick, %zu over the limit\n%zu images without a "
-      "ladder; of the truth in the others %s lies outside it",
-      score.recording.c_str(), score.images.size(), score.truth_images, score.without_tick, score.over_limit,
-      score.images_without_ladder(),
-      std::isfinite(score.outside_ladder()) ? format("%.2f %%", 100 * score.outside_ladder()).c_str()
-                                            : "nothing");
+  std::string text = format("%s: %zu of %zu truth images compared; %zu at no tick, %zu over the limit\n",
+                            score.recording.c_str(), score.images.size(), score.truth_images,
+                            score.without_tick, score.over_limit);
+  text += format("%zu images without a ladder", score.images_without_ladder());
+  if (std::isfinite(score.outside_ladder()))
+    text += format("; of the truth in the others %.2f %% lies outside it", 100 * score.outside_ladder());
   if (score.median_m > 0) text += format("; median of the truth %.3f m", score.median_m);
   text += "\n";
   if (mask != Mask::kEvents) {
