@@ -153,7 +153,7 @@ void study_noise(const Arguments& arguments, const EvalOptions& base) {
     options.methods = base.methods;
     rows.push_back({one.noise, recording::overall(evaluate_all(one, options))});
   }
-  std::fputs(noise_text(rows).c_str(), stdout);
+  std::fputs(noise_text(rows, arguments.mask).c_str(), stdout);
   write_json(arguments.json, noise_json(rows));
 }
 
@@ -219,6 +219,7 @@ void add_eval(CLI::App& program) {
           "--methods", a->methods,
           "of focus, focus+sgm, median, median-prior, rows, maps; default: all that have their input")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember(recording::kMethodNames));
   command->add_option("--cut", a->cut_m, "truth beyond so many metres does not count")
       ->check(CLI::PositiveNumber)
@@ -240,6 +241,12 @@ void add_eval(CLI::App& program) {
   command->add_option("--out", a->out, "folder for every map, confidence and event mask as .npy");
   command->add_option("--json", a->json, "write every number here");
   add_engine_options(*command, *a);
+  // Never ignore what was asked for.
+  for (const char* other : {"--velocity-noise", "--out"})
+    command->get_option("--noise-study")->excludes(command->get_option(other));
+  for (const char* other : {"--methods", "--mask", "--min-confidence", "--maps", "--prior", "--out", "--json",
+                            "--noise-study", "--velocity-noise"})
+    command->get_option("--fit-prior")->excludes(command->get_option(other));
   command->footer(
       "Examples:\n"
       "  egofocus eval fixtures/planes --cut 10\n"

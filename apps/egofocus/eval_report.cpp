@@ -187,11 +187,12 @@ Json eval_json(const SequenceScore& score, bool images) {
   return json.add("images", list);
 }
 
-std::string noise_text(const std::vector<NoiseRow>& rows) {
+std::string noise_text(const std::vector<NoiseRow>& rows, Mask mask) {
   const VelocityNoise& noise = rows.front().noise;
   std::string text = format("velocity noise, %s, drawn per %s, seed %llu", kind_text(noise), draw_text(noise),
                             static_cast<unsigned long long>(noise.seed));
   for (const PixelSet set : {recording::kAllCommon, recording::kEventsCommon}) {
+    if (mask == (set == recording::kAllCommon ? Mask::kEvents : Mask::kAll)) continue;
     for (std::size_t m = 0; m < rows.front().score.methods.size(); ++m) {
       text +=
           format("\n\n%s, %s\n%7s %6s %8s", rows.front().score.methods[m].method.c_str(),

@@ -24,8 +24,8 @@ struct NoiseRow {
   recording::SequenceScore score;
 };
 
-/// A table per method, one row per percentage.
-[[nodiscard]] std::string noise_text(const std::vector<NoiseRow>& rows);
+/// A table per method, one row per percentage, over the pixels where every compared method has an estimate.
+[[nodiscard]] std::string noise_text(const std::vector<NoiseRow>& rows, Mask mask);
 [[nodiscard]] Json noise_json(const std::vector<NoiseRow>& rows);
 
 }  // namespace egofocus::app

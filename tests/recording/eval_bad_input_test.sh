@@ -59,12 +59,15 @@ run 2 'cut' eval "$planes" --cut -1
 run 2 'limit' eval "$planes" --limit 0
 run 2 'min-confidence' eval "$planes" --min-confidence 0
 run 2 'velocity-noise' eval "$planes" --velocity-noise -3
+run 2 'excludes' eval "$planes" --noise-study --velocity-noise 5
+run 2 'excludes' eval "$planes" --fit-prior "$work/fitted.toml" --json "$work/scores.json"
 run 2 'noise-kind' replay "$planes" --noise-kind sigma
 run 3 'scores.json: cannot be written' eval "$planes" $one --json "$work/no/such/folder/scores.json"
 printf 'a file' >"$work/occupied"
 refuse 3 'cannot be made' eval "$planes" $one --out "$work/occupied"
 
 # --- what is counted
+run 0 'planes: 2 of 43 truth images' eval --limit 2 --methods focus,median "$planes"
 run 0 'planes: 1 of 43 truth images compared; 1 at no tick, 41 over the limit' eval "$planes" $one
 run 0 'planes: 21 of 43 truth images compared; 22 at no tick, 0 over' eval "$planes" --methods median --rate 10
 run 0 '43 images, median 1.852 m' eval --fit-prior "$work/fitted.toml" "$planes"
