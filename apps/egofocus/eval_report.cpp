@@ -139,6 +139,7 @@ Json method_json(const MethodScore& method) {
 Json image_json(const recording::ImageFact& image) {
   Json json;
   json.add("t_us", image.t_us)
+      .add("window_begin_us", image.window_begin_us)
       .add("step_per_m", image.step_per_m)
       .add("hypotheses", image.hypotheses)
       .add("flags", image.flags);

@@ -82,6 +82,7 @@ ImageFact compare(const Image& image, const DepthFrame& frame, const MetricRange
                   std::vector<MethodScore>& methods) {
   ImageFact fact;
   fact.t_us = frame.t_us;
+  fact.window_begin_us = frame.window_begin_us;
   fact.step_per_m = frame.inverse_depth_scale_per_m * 256.0;
   fact.hypotheses = frame.hypotheses;
   fact.flags = frame.flags;

@@ -57,6 +57,7 @@ struct MethodScore {
 /// One truth image and the tick that it was compared at.
 struct ImageFact {
   std::int64_t t_us = 0;
+  std::int64_t window_begin_us = 0;
   double step_per_m = 0;        ///< of the ladder; 0: the tick had none
   std::int32_t hypotheses = 0;  ///< of the ladder
   std::uint32_t flags = 0;      ///< FrameFlag bits

@@ -69,6 +69,73 @@ def write_png16(path, values):
                      chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
 
 
+def read_evt3(path):
+    """t (us), x, y of all events, straight from the EVT 3.0 format's description; vectors included."""
+    data = path.read_bytes()
+    data = data[data.index(b"% end\n") + 6:]
+    t, x, y = [], [], []
+    high = low = row = base = epoch = 0
+    for word in np.frombuffer(data[:len(data) // 2 * 2], dtype="<u2").tolist():
+        kind, value = word >> 12, word & 0xfff
+        if kind == 0x0:
+            row = value & 0x7ff
+        elif kind == 0x2:
+            t.append(epoch + (high << 12) + low)
+            x.append(value & 0x7ff)
+            y.append(row)
+        elif kind == 0x3:
+            base = value & 0x7ff
+        elif kind in (0x4, 0x5):
+            size = 12 if kind == 0x4 else 8
+            for bit in range(size):
+                if value >> bit & 1:
+                    t.append(epoch + (high << 12) + low)
+                    x.append(base + bit)
+                    y.append(row)
+            base += size
+        elif kind == 0x6:
+            low = value
+        elif kind == 0x8:
+            if value < high:
+                epoch += 1 << 24
+            high = value
+    return np.array(t), np.array(x), np.array(y)
+
+
+def grid_of_sensor(recording):
+    """Grid pixel (u, v) of each sensor pixel of fixtures/planes: plumb-bob inverted by fixed-point steps."""
+    text = (recording / "camera.toml").read_text()
+    camera = dict(line.split(" = ", 1) for line in text.split("[grid]")[0].splitlines() if " = " in line)
+    fx, fy, cx, cy = (float(camera[key]) for key in ("fx_px", "fy_px", "cx_px", "cy_px"))
+    k1, k2, p1, p2, k3 = json.loads(camera["coefficients"])
+    v, u = np.mgrid[0:int(camera["height_px"]), 0:int(camera["width_px"])]
+    xd, yd = (u - cx) / fx, (v - cy) / fy
+    x, y = xd.copy(), yd.copy()
+    for _ in range(100):
+        r2 = x * x + y * y
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        x, y = ((xd - 2 * p1 * x * y - p2 * (r2 + 2 * x * x)) / radial,
+                (yd - p1 * (r2 + 2 * y * y) - 2 * p2 * x * y) / radial)
+    return np.floor(x * fx + cx + 0.5).astype(int), np.floor(y * fy + cy + 0.5).astype(int)
+
+
+def check_event_pixels(recording, images, out, checker):
+    """The masks against the events themselves. A ray may fall between two pixels to the last digit."""
+    t, x, y = read_evt3(recording / "events.raw")
+    u, v = grid_of_sensor(recording)
+    for image in images:
+        window = (t >= image["window_begin_us"]) & (t <= image["t_us"])
+        gu, gv = u[y[window], x[window]], v[y[window], x[window]]
+        mask = np.load(out / "events" / f"{image['t_us']:012d}.npy") > 0
+        inside = (gu >= 0) & (gv >= 0) & (gu < mask.shape[1]) & (gv < mask.shape[0])
+        ours = np.zeros(mask.shape, dtype=bool)
+        ours[gv[inside], gu[inside]] = True
+        checker.compared += 1
+        if np.sum(ours != mask) > 3 or not 0 < image["t_us"] - image["window_begin_us"] <= 200000:
+            checker.failures += 1
+            print(f"error: event pixels at {image['t_us']}: {np.sum(ours != mask)} of {np.sum(ours)} differ")
+
+
 def metres(raw):
     out = (raw.astype(np.float64) * SCALE_M).astype(np.float32).astype(np.float64)
     out[raw == 65535] = np.inf
@@ -237,6 +304,8 @@ def main():
         report = run("--methods", "focus,focus+sgm,median", "--limit", "19", "--min-confidence", "12")
         assert len(report["recordings"][0]["images"]) == 19
         evaluate(recording, {"focus": written("focus", True), "focus+sgm": written("focus+sgm", True)}, report, checker)
+
+        check_event_pixels(recording, report["recordings"][0]["images"], out, checker)
 
         # Somebody's maps: noisy, with holes and infinity.
         maps = work / "maps"
