@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNearestIndex = 0.5;  // further away, the truth is between infinity and the first step
-
 /// A bit per PixelSet, for each pixel of the grid.
 using SetBits = std::vector<std::uint8_t>;
 
@@ -35,13 +33,12 @@ SetBits pixel_sets(const Image& image, const MetricRange& range, ImageFact& fact
   for (std::size_t i = 0; i < sets.size(); ++i) {
     const double truth = static_cast<double>(image.truth_m[i]);
     if (!range.is_truth(truth)) continue;
-    const double index = fact.step_per_m > 0 ? 1.0 / truth / fact.step_per_m : -1.0;
-    const bool in_ladder = index >= kNearestIndex && index <= fact.hypotheses - 1;
+    const bool inside = in_ladder(truth, fact.step_per_m, fact.hypotheses);
     const bool common = std::all_of(image.maps.begin(), image.maps.end(),
                                     [i](const DepthMap& map) { return map.depth_m[i] > 0; });
-    const unsigned all = bit(kAll) | (in_ladder ? bit(kAllInLadder) : 0u) | (common ? bit(kAllCommon) : 0u);
+    const unsigned all = bit(kAll) | (inside ? bit(kAllInLadder) : 0u) | (common ? bit(kAllCommon) : 0u);
     const unsigned events =
-        bit(kEvents) | (in_ladder ? bit(kEventsInLadder) : 0u) | (common ? bit(kEventsCommon) : 0u);
+        bit(kEvents) | (inside ? bit(kEventsInLadder) : 0u) | (common ? bit(kEventsCommon) : 0u);
     sets[i] = static_cast<std::uint8_t>(image.events[i] ? all | events : all);
     for (std::size_t set = 0; set < kPixelSets; ++set) fact.pixels[set] += sets[i] >> set & 1u;
   }
@@ -137,6 +134,12 @@ double median_of(const std::vector<DepthTruth>& truth, const CameraFile& camera,
 }
 
 }  // namespace
+
+bool in_ladder(double truth_m, double step_per_m, std::int32_t hypotheses) {
+  if (!(step_per_m > 0)) return false;
+  const double index = 1.0 / truth_m / step_per_m;
+  return index >= 0.5 && index <= hypotheses - 1;
+}
 
 std::vector<DepthTruth> truth_at_ticks(const std::vector<DepthTruth>& truth, std::int64_t first_us,
                                        double rate_hz, std::int64_t last_us) {

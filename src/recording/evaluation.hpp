@@ -86,6 +86,10 @@ struct SequenceScore {
 /// Means over all images of all sequences, which were evaluated with the same methods. median_m is 0.
 [[nodiscard]] SequenceScore overall(const std::vector<SequenceScore>& sequences);
 
+/// Of a ladder with step_per_m > 0: is the truth's index (1/g) / step in [0.5, D - 1]? Nearer to infinity
+/// than half a step, the ladder calls it infinity; no ladder (step 0) has anything inside.
+[[nodiscard]] bool in_ladder(double truth_m, double step_per_m, std::int32_t hypotheses);
+
 /// The truths that lie at a tick t_k = first_us + floor(k * 10^6 / rate_hz) <= last_us.
 [[nodiscard]] std::vector<DepthTruth> truth_at_ticks(const std::vector<DepthTruth>& truth,
                                                      std::int64_t first_us, double rate_hz,

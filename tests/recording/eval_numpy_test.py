@@ -317,8 +317,8 @@ def main():
             noisy[random.uniform(size=raw.shape) < 0.1] = 0
             noisy[random.uniform(size=raw.shape) < 0.1] = 65535
             write_png16(maps / path.name, noisy)
-        report = run("--methods", "maps,median", "--maps", str(maps), "--first-tick-us", "500000", "--limit", "4")
-        assert report["recordings"][0]["images"][0]["t_us"] == 500000
+        report = run("--methods", "maps,median", "--maps", str(maps), "--first-tick-us", "1450000", "--limit", "4")
+        assert report["recordings"][0]["images"][0]["t_us"] == 1450000
         evaluate(recording, {"maps": lambda stem: (metres(read_png16(maps / f"{stem}.png")), None)}, report, checker)
     print(f"{checker.compared} numbers compared, {checker.failures} differ")
     return 1 if checker.failures or checker.compared < 600 else 0

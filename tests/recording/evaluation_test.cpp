@@ -47,6 +47,15 @@ TEST_CASE("a pixel has an event if one of the window fell there") {
   CHECK(at(21) == std::vector<std::uint8_t>{1, 0, 0, 0});
 }
 
+TEST_CASE("the ladder reaches from half a step to its last hypothesis") {
+  // Steps of 1/16 per metre, 9 hypotheses: the last is 2 m.
+  CHECK(in_ladder(2.0, 0.0625, 9));
+  CHECK_FALSE(in_ladder(1.99, 0.0625, 9));
+  CHECK(in_ladder(32.0, 0.0625, 9));
+  CHECK_FALSE(in_ladder(32.1, 0.0625, 9));
+  CHECK_FALSE(in_ladder(3.0, 0, 0));
+}
+
 TEST_CASE("a frame's map keeps infinity and what is not known apart") {
   const std::uint16_t inverse[] = {0, 0, 512, 256};
   const std::uint8_t confidence[] = {0, 9, 10, 255};
