@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "eval_curve.hpp"
 #include "eval_report.hpp"
 #include "noise_options.hpp"
 #include "progress.hpp"
@@ -41,6 +42,7 @@ struct Arguments {
   std::string fit_prior;
   std::string out;
   std::string json;
+  std::string curve;
   std::optional<double> rate_hz;
   std::optional<std::int64_t> first_tick_us;
   std::optional<FocusCost> cost;
@@ -172,6 +174,7 @@ void run(const Arguments& arguments) {
   const SequenceScore all = recording::overall(scores);
   if (scores.size() > 1) text += "\n" + eval_text(all, arguments.mask);
   std::fputs(text.c_str(), stdout);
+  if (!arguments.curve.empty()) recording::write_text_file(arguments.curve, curve_svg(all));
   write_json(arguments.json, Json()
                                  .add("cut_m", options.range.cut_m)
                                  .add("clip_min_m", options.range.clip_min_m)
@@ -240,12 +243,13 @@ void add_eval(CLI::App& program) {
   command->add_option("--fit-prior", a->fit_prior, "write such a file from the recordings, and do no more");
   command->add_option("--out", a->out, "folder for every map, confidence and event mask as .npy");
   command->add_option("--json", a->json, "write every number here");
+  command->add_option("--curve", a->curve, "write the confidence's curve here, an SVG picture");
   add_engine_options(*command, *a);
   // Never ignore what was asked for.
-  for (const char* other : {"--velocity-noise", "--out"})
+  for (const char* other : {"--velocity-noise", "--out", "--curve"})
     command->get_option("--noise-study")->excludes(command->get_option(other));
   for (const char* other : {"--methods", "--mask", "--min-confidence", "--maps", "--prior", "--out", "--json",
-                            "--noise-study", "--velocity-noise"})
+                            "--curve", "--noise-study", "--velocity-noise"})
     command->get_option("--fit-prior")->excludes(command->get_option(other));
   command->footer(
       "Examples:\n"

@@ -32,10 +32,10 @@ fs::path maps_of(const fs::path& maps, const fs::path& recording) {
   return fs::is_directory(own, ignored) ? own : maps;
 }
 
-Intrinsics grid_of(const fs::path& recording, const EvalOptions& options) {
-  CameraFile camera = read_camera_toml(recording / "camera.toml");
-  options.adjust(camera.config);
-  return working_grid(camera.config);
+Folder adjusted_folder(const fs::path& recording, const EvalOptions& options) {
+  Folder folder = open_folder(recording, options.motion);
+  options.adjust(folder.camera.config);
+  return folder;
 }
 
 }  // namespace
@@ -58,10 +58,10 @@ DepthMap depth_map(const DepthFrame& frame, int min_confidence) {
 }
 
 EvalMethod::EvalMethod(const std::string& name, const fs::path& recording, const EvalOptions& options)
-    : min_confidence_(options.min_confidence), grid_(grid_of(recording, options)) {
+    : min_confidence_(options.min_confidence) {
+  Folder folder = adjusted_folder(recording, options);
+  grid_ = working_grid(folder.camera.config);
   if (name == "focus" || name == "focus+sgm") {
-    Folder folder = open_folder(recording, options.motion);
-    options.adjust(folder.camera.config);
     folder.camera.config.focus.smoothing = name == "focus+sgm";
     replay_ = std::make_unique<Replay>(std::move(folder));
   } else if (name == "median") {

@@ -31,7 +31,7 @@ refuse 2 'depth: none of the 43 depth pictures is of a tick' eval "$planes" $one
 refuse 2 'depth: none of the 43 depth pictures is of a tick' eval "$planes" $one --first-tick-us 99999999
 
 # --- the recording
-refuse 3 'nowhere' eval "$work/nowhere"
+refuse 3 'nowhere: is no recording folder' eval "$work/nowhere"
 fresh; rm "$damaged/can.log"
 refuse 6 'no motion: .*can.log is missing' eval "$damaged" $one
 fresh; echo 'this is no candump log' >"$damaged/can.log"
@@ -72,6 +72,8 @@ run 0 'planes: 1 of 43 truth images compared; 1 at no tick, 41 over the limit' e
 run 0 'planes: 21 of 43 truth images compared; 22 at no tick, 0 over' eval "$planes" --methods median --rate 10
 run 0 '43 images, median 1.852 m' eval --fit-prior "$work/fitted.toml" "$planes"
 run 0 '^rows +2 ' eval "$planes" --prior "$work/fitted.toml" --methods rows --limit 2
+run 0 'planes: 12 of' eval "$planes" --limit 12 --methods focus,median --curve "$work/curve.svg"
+[ "$(grep -c '<polyline' "$work/curve.svg")" -eq 2 ] || { echo "FAILED: curve.svg has not two curves"; failures=1; }
 run 0 '^overall: 2 of 86 truth images' eval "$planes" "$planes" $one
 run 0 '^ +100 ' eval "$planes" --noise-study --methods focus --limit 2
 
