@@ -20,6 +20,7 @@ ROWS
 catch2 /usr/include/catch2/catch.hpp,/usr/local/include/catch2/catch.hpp
 ccache ccache
 python3 python3
+python3-numpy /usr/lib/python3/dist-packages/numpy/__init__.py
 ROWS
       ;;
     convert) cat <<'ROWS'

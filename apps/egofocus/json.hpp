@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -59,6 +60,16 @@ class Json {
     for (const Json& value : values) {
       json += (json.size() > 1 ? ", " : "") + value.json();
       text += "\n" + value.text("  ");
+    }
+    return put(std::move(key), json + "]", text);
+  }
+
+  Json& add(std::string key, std::span<const double> values) {
+    std::string json = "[";
+    std::string text;
+    for (const double value : values) {
+      json += (json.size() > 1 ? ", " : "") + (std::isfinite(value) ? recording::number_text(value) : "null");
+      text += (text.empty() ? "" : " ") + recording::number_text(value);
     }
     return put(std::move(key), json + "]", text);
   }

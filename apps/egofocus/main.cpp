@@ -10,6 +10,7 @@ namespace {
 
 constexpr const char* kExamples = R"(Examples:
   egofocus replay fixtures/planes --out out/planes     depth of a recording, with pictures
+  egofocus eval fixtures/planes --cut 10               the same against its truth: all metrics
   egofocus info fixtures/planes                        what is in a recording
   egofocus info events.raw --json                      the same of one file, for programs
   egofocus convert slider_depth out/slider             a recording from ECD, MVSEC, DSEC or AEDAT4 files
@@ -27,6 +28,7 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer(kExamples);
   egofocus::app::add_convert(program);
+  egofocus::app::add_eval(program);
   egofocus::app::add_info(program);
   egofocus::app::add_replay(program);
   try {

@@ -10,6 +10,7 @@
 
 #include "commands.hpp"
 #include "kernels/isa.hpp"
+#include "noise_options.hpp"
 #include "progress.hpp"
 #include "recording/error.hpp"
 #include "recording/png_io.hpp"
@@ -29,6 +30,7 @@ struct Arguments {
   std::optional<FocusCost> cost;
   std::optional<MotionSource> motion;
   std::optional<int> threads;
+  VelocityNoise noise;
   std::string isa;
   std::string out;
   std::string golden;
@@ -53,19 +55,8 @@ void apply(const Arguments& arguments, Config& config) {
   if (arguments.cost) config.focus.cost = *arguments.cost;
   if (arguments.threads) config.threads = *arguments.threads;
   if (arguments.no_smoothing) config.focus.smoothing = false;
+  config.velocity_noise = arguments.noise;
   if (!arguments.isa.empty()) config.isa_mask = mask_up_to(arguments.isa);
-}
-
-/// A log that holds nothing usable is found only by running: not one tick knew how the camera moved.
-void check_motion(recording::Replay& replay) {
-  const TickCounters ticks = replay.engine().health().ticks;
-  if (ticks.run == 0 || ticks.no_motion < ticks.run) return;
-  const bool poses = replay.config().motion.source == MotionSource::kPoses;
-  throw recording::Error(
-      recording::ExitCode::kMotion, (replay.folder().path / (poses ? "poses.txt" : "can.log")).string(),
-      "no motion before any of the " + std::to_string(ticks.run) + " ticks. " +
-          (poses ? "Choose a later tick with --first-tick-us."
-                 : "Is it a `candump -L` log with the frames that camera.toml and the DBC name?"));
 }
 
 void run(const Arguments& arguments) {
@@ -108,7 +99,7 @@ void run(const Arguments& arguments) {
     progress.show(static_cast<std::size_t>(frame.t_us - first_us) + 1, span_us);
   }
 
-  check_motion(replay);
+  recording::check_motion(replay);
 
   Json summary = report.summary(replay);
   if (pictures) {
@@ -152,6 +143,7 @@ void add_replay(CLI::App& program) {
   command->add_option("--threads", a->threads, "workers, 1..8; the result is the same");
   command->add_option("--isa", a->isa,
                       "force one instruction set: scalar, sse41, avx2, avx512, neon; the result is the same");
+  add_noise_options(*command, a->noise);
   command->add_option("--out", a->out, "folder for pictures and report.json");
   command->add_option("--golden", a->golden,
                       "write the machine-independent text (hash per frame, counts, health) here");

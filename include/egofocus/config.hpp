@@ -105,6 +105,29 @@ struct FocusConfig {
 
 enum class Backend : std::uint8_t { kFocus };
 
+/// How a noise of so many percent is read.
+enum class NoiseKind : std::uint8_t {
+  kVariance,   ///< sigma^2 = percent / 100 * norm: the published words, units aside
+  kDeviation,  ///< sigma = percent / 100 * norm
+};
+
+enum class NoiseDraw : std::uint8_t {
+  kSample,  ///< each motion sample of a window errs on its own
+  kWindow,  ///< all motion samples of a window err alike
+};
+
+/// Errors added on purpose to the motion that a tick warps with: what does a wrong velocity do to the depth?
+/// The motion becomes 20 samples, evenly over the last max_age_us (or since motion is known); each component
+/// of velocity and angular rate gets a zero-mean normal error. `norm` is the mean over these samples of
+/// |velocity| in m/s, or |angular rate| in rad/s. The frame still tells the measured motion. For experiments:
+/// off unless asked for.
+struct VelocityNoise {
+  double percent = 0;  ///< 0..1000; 0 leaves every byte as it is
+  std::uint64_t seed = 1;
+  NoiseKind kind = NoiseKind::kVariance;
+  NoiseDraw draw = NoiseDraw::kSample;
+};
+
 struct RateConfig {
   double rate_hz = 20.0;         ///< 0.1..1000
   std::int64_t lateness_us = 0;  ///< tick k is about t_k and runs at t_k + lateness_us
@@ -138,6 +161,7 @@ struct Config {
   RateConfig rate;
   RingConfig rings;
   RealTimeConfig real_time;
+  VelocityNoise velocity_noise;
   Backend backend = Backend::kFocus;
   std::int32_t threads = 1;              ///< 1..8 workers; the bytes are the same for any number
   std::uint32_t isa_mask = 0xffffffffu;  ///< lowers the instruction sets that may be chosen (tests)

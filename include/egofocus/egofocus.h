@@ -140,6 +140,14 @@ typedef struct egofocus_real_time {
   int32_t fifo_priority, cpu, lock_memory;
 } egofocus_real_time;
 
+enum { EGOFOCUS_NOISE_VARIANCE, EGOFOCUS_NOISE_DEVIATION };
+enum { EGOFOCUS_NOISE_PER_SAMPLE, EGOFOCUS_NOISE_PER_WINDOW };
+typedef struct egofocus_velocity_noise { /* for experiments; percent 0 is none */
+  double percent;                        /* 0..1000 */
+  uint64_t seed;
+  int32_t kind, draw;
+} egofocus_velocity_noise;
+
 enum { EGOFOCUS_BACKEND_FOCUS };
 typedef struct egofocus_config {
   egofocus_camera camera;
@@ -152,6 +160,7 @@ typedef struct egofocus_config {
   egofocus_rate rate;
   egofocus_rings rings;
   egofocus_real_time real_time;
+  egofocus_velocity_noise velocity_noise;
   int32_t backend;
   int32_t threads; /* 1..8 */
   uint32_t isa_mask;
@@ -215,6 +224,9 @@ typedef struct egofocus_depth_frame {
   double parallax_px;
   double velocity_m_s[3], angular_rate_rad_s[3];
   double velocity_sigma_m_s;
+  int64_t window_begin_us;
+  int32_t hypotheses;
+  int32_t reserved;
   const uint16_t* inverse_depth; /* [height * width], row-major; valid until the next egofocus_newest */
   const uint8_t* confidence;     /* the same; 0 = no estimate */
 } egofocus_depth_frame;

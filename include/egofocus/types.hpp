@@ -86,7 +86,9 @@ struct DepthFrame {
   double parallax_px = 0;              ///< rms displacement over the grid that the last hypothesis spans
   double velocity_m_s[3] = {0, 0, 0};  ///< of the camera, in the camera frame, at t_us
   double angular_rate_rad_s[3] = {0, 0, 0};
-  double velocity_sigma_m_s = 0;  ///< 1-sigma of |velocity|; the same relative error scales the depth
+  double velocity_sigma_m_s = 0;     ///< 1-sigma of |velocity|; the same relative error scales the depth
+  std::int64_t window_begin_us = 0;  ///< events from here to t_us count; t_us where no motion was known
+  std::int32_t hypotheses = 0;  ///< inverse depths tried, k * 256 * scale for k < hypotheses; 0: no depth
   std::span<const std::uint16_t> inverse_depth;  ///< [height * width], row-major
   std::span<const std::uint8_t> confidence;      ///< [height * width], 0 = no estimate, 255 = best
 };

@@ -173,6 +173,20 @@ egofocus_real_time to_c(const RealTimeConfig& in) noexcept {
   return {fifo_priority, cpu, lock_memory ? 1 : 0};
 }
 
+VelocityNoise from_c(const egofocus_velocity_noise& c) noexcept {
+  VelocityNoise out;
+  auto& [percent, seed, kind, draw] = out;
+  percent = c.percent, seed = c.seed;
+  kind = static_cast<NoiseKind>(c.kind);
+  draw = static_cast<NoiseDraw>(c.draw);
+  return out;
+}
+
+egofocus_velocity_noise to_c(const VelocityNoise& in) noexcept {
+  const auto& [percent, seed, kind, draw] = in;
+  return {percent, seed, number(kind), number(draw)};
+}
+
 template <typename Enum>
 bool known(std::int32_t value, Enum last) noexcept {
   return value >= 0 && value <= number(last);
@@ -193,6 +207,12 @@ Status c_config_problem(const egofocus_config& c) noexcept {
     return {StatusCode::kBadMotion, "motion.model", c.motion.model};
   }
   if (!known(c.focus.cost, FocusCost::kSti)) return {StatusCode::kBadFocus, "focus.cost", c.focus.cost};
+  if (!known(c.velocity_noise.kind, NoiseKind::kDeviation)) {
+    return {StatusCode::kBadMotion, "velocity_noise.kind", c.velocity_noise.kind};
+  }
+  if (!known(c.velocity_noise.draw, NoiseDraw::kWindow)) {
+    return {StatusCode::kBadMotion, "velocity_noise.draw", c.velocity_noise.draw};
+  }
   if (!known(c.backend, Backend::kFocus)) return {StatusCode::kBadFocus, "backend", c.backend};
   if (c.filter.hot_pixels == nullptr && c.filter.hot_pixel_count != 0) {
     return {StatusCode::kBadFilter, "filter.hot_pixels", 0};
@@ -202,8 +222,8 @@ Status c_config_problem(const egofocus_config& c) noexcept {
 
 Config config_from_c(const egofocus_config& c) noexcept {
   Config out;
-  auto& [camera, grid, ladder, window, filter, motion, focus, rate, rings, real_time, backend, threads,
-         isa_mask] = out;
+  auto& [camera, grid, ladder, window, filter, motion, focus, rate, rings, real_time, velocity_noise, backend,
+         threads, isa_mask] = out;
   camera = from_c(c.camera);
   grid = from_c(c.grid);
   ladder = from_c(c.ladder);
@@ -214,6 +234,7 @@ Config config_from_c(const egofocus_config& c) noexcept {
   rate = from_c(c.rate);
   rings = from_c(c.rings);
   real_time = from_c(c.real_time);
+  velocity_noise = from_c(c.velocity_noise);
   backend = static_cast<Backend>(c.backend);
   threads = c.threads;
   isa_mask = c.isa_mask;
@@ -221,11 +242,11 @@ Config config_from_c(const egofocus_config& c) noexcept {
 }
 
 egofocus_config config_to_c(const Config& config) noexcept {
-  const auto& [camera, grid, ladder, window, filter, motion, focus, rate, rings, real_time, backend, threads,
-               isa_mask] = config;
-  return {to_c(camera),    to_c(grid),  to_c(ladder), to_c(window), to_c(filter),
-          to_c(motion),    to_c(focus), to_c(rate),   to_c(rings),  to_c(real_time),
-          number(backend), threads,     isa_mask};
+  const auto& [camera, grid, ladder, window, filter, motion, focus, rate, rings, real_time, velocity_noise,
+               backend, threads, isa_mask] = config;
+  return {to_c(camera),         to_c(grid),      to_c(ladder), to_c(window), to_c(filter),
+          to_c(motion),         to_c(focus),     to_c(rate),   to_c(rings),  to_c(real_time),
+          to_c(velocity_noise), number(backend), threads,      isa_mask};
 }
 
 }  // namespace egofocus

@@ -76,7 +76,8 @@ PoseSample sample_from_c(const egofocus_pose_sample& c) noexcept {
 
 egofocus_depth_frame frame_to_c(const DepthFrame& frame) noexcept {
   const auto& [t_us, age_us, latency_us, sequence, flags, events, votes, grid, scale_per_m, parallax_px,
-               velocity, rate, velocity_sigma, inverse_depth, confidence] = frame;
+               velocity, rate, velocity_sigma, window_begin_us, hypotheses, inverse_depth, confidence] =
+      frame;
   egofocus_depth_frame c = {};
   c.t_us = t_us, c.age_us = age_us, c.latency_us = latency_us;
   c.sequence = sequence, c.votes = votes, c.flags = flags, c.events = events;
@@ -86,6 +87,7 @@ egofocus_depth_frame frame_to_c(const DepthFrame& frame) noexcept {
   copy(velocity, c.velocity_m_s);
   copy(rate, c.angular_rate_rad_s);
   c.velocity_sigma_m_s = velocity_sigma;
+  c.window_begin_us = window_begin_us, c.hypotheses = hypotheses;
   c.inverse_depth = inverse_depth.data();
   c.confidence = confidence.data();
   return c;

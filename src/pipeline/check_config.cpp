@@ -7,6 +7,7 @@
 #include "pipeline/focus_cost.hpp"
 #include "pipeline/hypothesis_ladder.hpp"
 #include "pipeline/scheduler.hpp"
+#include "pipeline/velocity_noise.hpp"
 #include "pipeline/working_grid.hpp"
 
 namespace egofocus {
@@ -44,7 +45,8 @@ Status check_config(const Config& config) noexcept {
   for (const Status& status :
        {check_camera(config), check_ladder(config.ladder), EventWindow::check(config.window),
         EventFilter::check(config), EgoMotion::check(config.motion), FocusCostPlane::check(config.focus),
-        Scheduler::check(config.rate), check_rings(config.rings), check_threads(config)}) {
+        Scheduler::check(config.rate), check_velocity_noise(config.velocity_noise), check_rings(config.rings),
+        check_threads(config)}) {
     if (!status.ok()) return status;
   }
   return {};

@@ -35,7 +35,8 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   std::int64_t oldest_us = tick_us - config_.window.max_age_us;
   count_outside_motion(oldest_us, known_from_us, tick_us);
   if (oldest_us < known_from_us) oldest_us = known_from_us;
-  const bool has_motion = oldest_us < tick_us && ego_motion_->track(oldest_us, tick_us, *track_);
+  const bool has_motion = oldest_us < tick_us && track(oldest_us, oldest_us, tick_us);
+  frame.window_begin_us = oldest_us < tick_us ? oldest_us : tick_us;
 
   // 2. The hypotheses that this motion can tell apart, and the window that they need.
   HypothesisLadder ladder;
@@ -51,6 +52,7 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
     frame.velocity_sigma_m_s = speed_sigma_m_s(motion);
     if (tick_us - ego_motion_->newest_us() > config_.motion.stale_after_us) frame.flags |= kStaleVelocity;
     ladder = choose_ladder(config_.ladder, grid_, *track_);
+    frame.window_begin_us = ladder.begin_us;
     if (!ladder.has_parallax) frame.flags |= kNoParallax;
     selection = window_.select(ladder.begin_us, tick_us);
   }
@@ -62,8 +64,8 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   dropped_before_ = ring_dropped_;
 
   // 3. Events -> stack of warped images -> focus -> depth.
-  const bool has_depth = has_motion && ladder.has_parallax && selection.count > 0 &&
-                         ego_motion_->track(ladder.begin_us, tick_us, *track_);
+  const bool has_depth =
+      has_motion && ladder.has_parallax && selection.count > 0 && track(oldest_us, ladder.begin_us, tick_us);
   if (has_depth) {
     struct Step {
       Pipeline& self;
@@ -83,6 +85,7 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
     depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
     frame.events = selection.count;
     frame.votes = warp_.votes();
+    frame.hypotheses = ladder.count;
     frame.inverse_depth_scale_per_m = ladder.step_per_m / 256.0;
     frame.parallax_px = ladder.parallax_px;
     window_counters_.behind_camera += warp_.behind_camera();
@@ -93,6 +96,12 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   frame.age_us = last_depth_event_us_ == INT64_MIN ? INT64_MAX : tick_us - last_depth_event_us_;
   conclude(frame);
   last_tick_us_ = tick_us;
+}
+
+bool Pipeline::track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept {
+  if (config_.velocity_noise.percent > 0)
+    return noisy_track(config_.velocity_noise, *ego_motion_, oldest_us, begin_us, tick_us, *track_);
+  return ego_motion_->track(begin_us, tick_us, *track_);
 }
 
 // --- in and out --------------------------------------------------------------------------------------

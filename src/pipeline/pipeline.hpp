@@ -15,6 +15,7 @@
 #include "pipeline/event_window.hpp"
 #include "pipeline/focus.hpp"
 #include "pipeline/hypothesis_ladder.hpp"
+#include "pipeline/velocity_noise.hpp"
 #include "pipeline/warp.hpp"
 
 namespace egofocus {
@@ -52,6 +53,9 @@ class Pipeline {
   std::uint64_t ingest_events(SpscRing<Event>& ring, std::int64_t tick_us, std::int64_t horizon_us) noexcept;
   void count_outside_motion(std::int64_t oldest_us, std::int64_t known_from_us,
                             std::int64_t tick_us) noexcept;
+  /// The motion from begin_us to the tick into `track_`; false where it is not known. oldest_us: as far back
+  /// as this tick looks.
+  bool track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept;
   void blank(FrameSlot& out) noexcept;
   void conclude(const DepthFrame& frame) noexcept;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 
 #include "recording/error.hpp"
 #include "recording/png_io.hpp"
@@ -128,7 +129,9 @@ Picture<float> read_depth(const DepthTruth& truth, const CameraFile& camera) {
   }
   Picture<float> depth(raw.width_px, raw.height_px);
   for (std::size_t i = 0; i < raw.pixels.size(); ++i) {
-    depth.pixels[i] = static_cast<float>(raw.pixels[i] * camera.depth_scale_m);
+    depth.pixels[i] = raw.pixels[i] == kFarthestDepthUnit
+                          ? std::numeric_limits<float>::infinity()
+                          : static_cast<float>(raw.pixels[i] * camera.depth_scale_m);
   }
   return depth;
 }

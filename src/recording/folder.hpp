@@ -51,7 +51,11 @@ struct Folder {
 /// "depth/000000123456.png"
 [[nodiscard]] std::string depth_name(std::int64_t t_us);
 
-/// Depth in metres, row-major; 0 where unknown. The picture's size must be the grid's. Throws Error.
+/// In a depth picture: at or beyond what its scale can tell, sky included.
+inline constexpr std::uint16_t kFarthestDepthUnit = 65535;
+
+/// Depth in metres, row-major; 0 where unknown, infinity where farther than the scale can tell. The picture's
+/// size must be the grid's. Throws Error.
 [[nodiscard]] Picture<float> read_depth(const DepthTruth& truth, const CameraFile& camera);
 
 }  // namespace egofocus::recording

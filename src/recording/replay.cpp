@@ -113,4 +113,14 @@ std::span<const Event> Replay::events_between(std::int64_t first_us, std::int64_
   return {begin, end};
 }
 
+void check_motion(Replay& replay) {
+  const TickCounters ticks = replay.engine().health().ticks;
+  if (ticks.run == 0 || ticks.no_motion < ticks.run) return;
+  const bool poses = replay.config().motion.source == MotionSource::kPoses;
+  throw Error(ExitCode::kMotion, (replay.folder().path / (poses ? "poses.txt" : "can.log")).string(),
+              "no motion before any of the " + std::to_string(ticks.run) + " ticks. " +
+                  (poses ? "Choose a later tick with --first-tick-us."
+                         : "Is it a `candump -L` log with the frames that camera.toml and the DBC name?"));
+}
+
 }  // namespace egofocus::recording

@@ -80,4 +80,8 @@ class Replay {
   Engine engine_;  // last: it goes first
 };
 
+/// A log that holds nothing usable is found only by running: throws Error (kMotion) when ticks ran, and not
+/// one of them knew how the camera moved.
+void check_motion(Replay& replay);
+
 }  // namespace egofocus::recording

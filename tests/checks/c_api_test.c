@@ -50,6 +50,14 @@ static void test_failures(void) {
   config.focus.cost = 256 + EGOFOCUS_COST_VARIANCE; /* would be a valid one if cut to 8 bits */
   EXPECT(egofocus_required_bytes(&config, &bytes).code == EGOFOCUS_BAD_FOCUS && bytes == 0);
   config = good_config();
+  config.velocity_noise.draw = EGOFOCUS_NOISE_PER_WINDOW + 256;
+  EXPECT(egofocus_required_bytes(&config, &bytes).code == EGOFOCUS_BAD_MOTION);
+  config = good_config();
+  config.velocity_noise.kind = EGOFOCUS_NOISE_DEVIATION;
+  config.velocity_noise.percent = 1001;
+  EXPECT(egofocus_required_bytes(&config, &bytes).code == EGOFOCUS_BAD_MOTION);
+  config = good_config();
+  EXPECT(config.velocity_noise.percent == 0.0 && config.velocity_noise.seed == 1);
   config.camera.intrinsics.fx_px = -1;
   EXPECT(egofocus_required_bytes(&config, &bytes).code == EGOFOCUS_BAD_INTRINSICS);
   config = good_config();

@@ -94,12 +94,19 @@ void replay_fixture(MotionSource source, const char* name) {
       ++still_ticks;
       CHECK((frame.flags & kNoParallax) != 0);
       CHECK(is_blank(frame));
+      CHECK(frame.hypotheses == 0);
       continue;
     }
     const std::int64_t begin_us = sim::window_begin_us(poses, replay.config(), frame.t_us);
     for (std::size_t i = 0; i < phases.size(); ++i) {
       if (!phases[i].has_parallax || begin_us < phases[i].begin_us || frame.t_us > phases[i].end_us) continue;
       CHECK(frame.flags == 0);
+      // Poses are 5 ms apart, the window's choices 1.6 ms.
+      CHECK(std::abs(frame.window_begin_us - begin_us) <= 10'000);
+      const double nearest_rho = 256 * frame.inverse_depth_scale_per_m * (frame.hypotheses - 1);
+      const LadderConfig& ladder = replay.config().ladder;
+      CHECK(frame.hypotheses <= ladder.hypotheses);
+      CHECK((frame.hypotheses == ladder.hypotheses || nearest_rho * ladder.z_near_m > 1));
       const std::vector<float> truth_m = metres(simulator.depth(frame.t_us));
       const std::vector<double> parallax_px =
           sim::parallax_px(sim::centre_shift(poses, begin_us, frame.t_us), frame.grid, truth_m);

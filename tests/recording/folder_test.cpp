@@ -1,6 +1,7 @@
 #include "recording/folder.hpp"
 
 #include <catch2/catch.hpp>
+#include <limits>
 
 #include "recording/error.hpp"
 #include "recording/png_io.hpp"
@@ -130,10 +131,18 @@ TEST_CASE("truth must fit the grid") {
   if (!png_available()) return;
   Recording recording;
   std::filesystem::create_directories(recording / "depth");
-  write_png(recording / "depth/000000000100.png", Grey16Picture(24, 18, 1500));
+  Grey16Picture picture(24, 18, 1500);
+  picture.at(0, 0) = 0;
+  picture.at(1, 0) = 65535;
+  picture.at(2, 0) = 65534;
+  write_png(recording / "depth/000000000100.png", picture);
   write_png(recording / "depth/000000000200.png", Grey16Picture(24, 17, 1500));
   const Folder folder = open_folder(recording.path());
-  CHECK(read_depth(folder.truth[0], folder.camera).at(3, 4) == 1.5f);
+  const Picture<float> depth = read_depth(folder.truth[0], folder.camera);
+  CHECK(depth.at(3, 4) == 1.5f);
+  CHECK(depth.at(0, 0) == 0.0f);
+  CHECK(depth.at(1, 0) == std::numeric_limits<float>::infinity());
+  CHECK(depth.at(2, 0) == 65.534f);
   CHECK_THROWS_WITH((void)read_depth(folder.truth[1], folder.camera),
                     Contains("is 24x17 px") && Contains("24x18"));
 }

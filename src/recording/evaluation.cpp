@@ -1,0 +1,255 @@
+#include "recording/evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "recording/error.hpp"
+#include "recording/event_mask.hpp"
+#include "recording/npy_file.hpp"
+#include "recording/png_io.hpp"
+
+namespace egofocus::recording {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A bit per PixelSet, for each pixel of the grid.
+using SetBits = std::vector<std::uint8_t>;
+
+constexpr unsigned bit(PixelSet set) {
+  return 1u << set;
+}
+
+/// One image: truth, and every method's map of it.
+struct Image {
+  std::vector<float> truth_m;
+  std::vector<std::uint8_t> events;
+  std::vector<DepthMap> maps;
+};
+
+SetBits pixel_sets(const Image& image, const MetricRange& range, ImageFact& fact) {
+  SetBits sets(image.truth_m.size(), 0);
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const double truth = static_cast<double>(image.truth_m[i]);
+    if (!range.is_truth(truth)) continue;
+    const bool inside = in_ladder(truth, fact.step_per_m, fact.hypotheses);
+    const bool common = std::all_of(image.maps.begin(), image.maps.end(),
+                                    [i](const DepthMap& map) { return map.depth_m[i] > 0; });
+    const unsigned all = bit(kAll) | (inside ? bit(kAllInLadder) : 0u) | (common ? bit(kAllCommon) : 0u);
+    const unsigned events =
+        bit(kEvents) | (inside ? bit(kEventsInLadder) : 0u) | (common ? bit(kEventsCommon) : 0u);
+    sets[i] = static_cast<std::uint8_t>(image.events[i] ? all | events : all);
+    for (std::size_t set = 0; set < kPixelSets; ++set) fact.pixels[set] += sets[i] >> set & 1u;
+  }
+  return sets;
+}
+
+void score(const Image& image, const SetBits& sets, const DepthMap& map, const MetricRange& range,
+           const ImageFact& fact, MethodScore& out) {
+  std::array<MetricMeans, kPixelSets> terms;
+  std::vector<JudgedPixel> judged;
+  std::size_t known = 0;
+  std::size_t known_events = 0;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    if (sets[i] == 0) continue;
+    const double estimate = static_cast<double>(map.depth_m[i]);
+    const Metrics term = pixel_terms(estimate, static_cast<double>(image.truth_m[i]), range, fact.step_per_m);
+    for (std::size_t set = 0; set < kPixelSets; ++set) {
+      if (sets[i] >> set & 1u) terms[set].add(term);
+    }
+    if (!(estimate > 0)) continue;
+    ++known;
+    known_events += sets[i] >> kEvents & 1u;
+    if (!map.confidence.empty()) judged.push_back({term[kAbsRel], map.confidence[i]});
+  }
+  const auto share = [](std::size_t part, std::size_t all) {
+    return static_cast<double>(part) / static_cast<double>(all);
+  };
+  for (std::size_t set = 0; set < kPixelSets; ++set) {
+    if (terms[set].count() > 0) out.sets[set].add(image_metrics(terms[set]));
+  }
+  if (fact.pixels[kAll] > 0) out.coverage.add(share(known, fact.pixels[kAll]));
+  if (fact.pixels[kEvents] > 0) out.events_coverage.add(share(known_events, fact.pixels[kEvents]));
+  out.images_with_estimate += known > 0 ? 1 : 0;
+  if (!judged.empty()) out.sparsification.add(sparsification(judged));
+}
+
+ImageFact compare(const Image& image, const DepthFrame& frame, const MetricRange& range,
+                  std::vector<MethodScore>& methods) {
+  ImageFact fact;
+  fact.t_us = frame.t_us;
+  fact.window_begin_us = frame.window_begin_us;
+  fact.step_per_m = frame.inverse_depth_scale_per_m * 256.0;
+  fact.hypotheses = frame.hypotheses;
+  fact.flags = frame.flags;
+  const SetBits sets = pixel_sets(image, range, fact);
+  for (std::size_t m = 0; m < methods.size(); ++m) score(image, sets, image.maps[m], range, fact, methods[m]);
+  return fact;
+}
+
+void write_image(const fs::path& out, const std::vector<std::string>& methods, const Image& image,
+                 const Intrinsics& grid, const std::string& stem) {
+  const auto folder = [&out](const std::string& name) {
+    std::error_code error;
+    fs::create_directories(out / name, error);
+    if (error) throw Error(ExitCode::kFile, (out / name).string(), "cannot be made: " + error.message());
+    return out / name;
+  };
+  const auto write = [&grid](const fs::path& path, auto picture, const auto& pixels) {
+    picture.width_px = grid.width_px;
+    picture.height_px = grid.height_px;
+    picture.pixels = pixels;
+    write_npy(path, picture);
+  };
+  write(folder("events") / (stem + ".npy"), GreyPicture(), image.events);
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    const fs::path of_method = folder(methods[m]);
+    write(of_method / (stem + ".npy"), Picture<float>(), image.maps[m].depth_m);
+    if (!image.maps[m].confidence.empty())
+      write(of_method / (stem + "_confidence.npy"), GreyPicture(), image.maps[m].confidence);
+  }
+}
+
+std::vector<DepthTruth> plan(const Replay& replay, std::int64_t first_us) {
+  const std::vector<DepthTruth>& truth = replay.folder().truth;
+  const std::string where = (replay.folder().path / "depth").string();
+  if (truth.empty())
+    throw Error(ExitCode::kFile, where, "holds no depth pictures: there is no truth to compare with.");
+  const double rate_hz = replay.config().rate.rate_hz;
+  std::vector<DepthTruth> planned = truth_at_ticks(truth, first_us, rate_hz, replay.last_event_us());
+  if (planned.empty()) {
+    throw Error(ExitCode::kUsage, where,
+                "none of the " + std::to_string(truth.size()) + " depth pictures is of a tick (" +
+                    std::to_string(rate_hz) + " Hz from " + std::to_string(first_us) +
+                    " us). Choose --rate and --first-tick-us so that ticks meet the truth.");
+  }
+  return planned;
+}
+
+double median_of(const std::vector<DepthTruth>& truth, const CameraFile& camera, const MetricRange& range) {
+  TruthMedian median;
+  for (const DepthTruth& item : truth) median.add(read_depth(item, camera), range);
+  return median.median_m();
+}
+
+}  // namespace
+
+bool in_ladder(double truth_m, double step_per_m, std::int32_t hypotheses) {
+  if (!(step_per_m > 0)) return false;
+  const double index = 1.0 / truth_m / step_per_m;
+  return index >= 0.5 && index <= hypotheses - 1;
+}
+
+std::vector<DepthTruth> truth_at_ticks(const std::vector<DepthTruth>& truth, std::int64_t first_us,
+                                       double rate_hz, std::int64_t last_us) {
+  const auto tick_us = [&](double k) {
+    return first_us + static_cast<std::int64_t>(std::floor(k * 1e6 / rate_hz));
+  };
+  std::vector<DepthTruth> found;
+  for (const DepthTruth& item : truth) {
+    if (item.t_us < first_us || item.t_us > last_us) continue;
+    const double k = std::round(static_cast<double>(item.t_us - first_us) * rate_hz / 1e6);
+    if (tick_us(k) == item.t_us) found.push_back(item);
+  }
+  return found;
+}
+
+SequenceScore evaluate(const fs::path& recording, const EvalOptions& options) {
+  if (!png_available())
+    throw Error(ExitCode::kUsage, "eval", "this build has no libpng. Install libpng-dev and build again.");
+  std::vector<EvalMethod> methods;
+  for (const std::string& name : options.methods) methods.emplace_back(name, recording, options);
+  const auto has_engine = [](const EvalMethod& method) { return method.replay() != nullptr; };
+  // Behind the compared ones, where none of them has an engine.
+  if (std::none_of(methods.begin(), methods.end(), has_engine))
+    methods.emplace_back("focus", recording, options);
+  const EvalMethod& leader = *std::find_if(methods.begin(), methods.end(), has_engine);
+
+  Replay& replay = *leader.replay();
+  const CameraFile& camera = replay.folder().camera;
+  const std::int64_t first_us = options.first_tick_us.value_or(replay.default_first_tick_us());
+  std::vector<DepthTruth> planned = plan(replay, first_us);
+  SequenceScore result;
+  result.recording = recording_name(recording);
+  result.truth_images = replay.folder().truth.size();
+  result.without_tick = result.truth_images - planned.size();
+  if (planned.size() > options.max_images) {
+    result.over_limit = planned.size() - options.max_images;
+    planned.resize(options.max_images);
+  }
+  result.median_m = median_of(planned, camera, options.range);
+  result.methods.resize(options.methods.size());
+  for (std::size_t i = 0; i < options.methods.size(); ++i) {
+    result.methods[i].method = options.methods[i];
+    if (options.methods[i] == "median") methods[i].set_constant(result.median_m);
+  }
+
+  EventMask event_mask(camera.config);
+  std::int64_t before_us = std::numeric_limits<std::int64_t>::min();
+  for (EvalMethod& method : methods) method.start(first_us);
+  while (result.images.size() < planned.size()) {
+    bool has_frame = true;
+    for (EvalMethod& method : methods) has_frame = method.tick() && has_frame;
+    if (!has_frame) break;
+    const DepthFrame& frame = leader.frame();
+    event_mask.add(replay.events_between(before_us, frame.t_us));
+    before_us = frame.t_us;
+    const DepthTruth& truth = planned[result.images.size()];
+    if (frame.t_us != truth.t_us) continue;
+    Image image;
+    image.truth_m = read_depth(truth, camera).pixels;
+    image.events = event_mask.since(frame.window_begin_us);
+    for (std::size_t m = 0; m < options.methods.size(); ++m)
+      image.maps.push_back(methods[m].map(truth, camera));
+    result.images.push_back(compare(image, frame, options.range, result.methods));
+    if (!options.out.empty())
+      write_image(options.out / result.recording, options.methods, image, frame.grid,
+                  truth.path.stem().string());
+    options.progress(result.images.size(), planned.size());
+  }
+  check_motion(replay);
+  result.without_tick += planned.size() - result.images.size();
+  return result;
+}
+
+std::size_t SequenceScore::images_without_ladder() const {
+  return static_cast<std::size_t>(std::count_if(
+      images.begin(), images.end(), [](const ImageFact& image) { return !(image.step_per_m > 0); }));
+}
+
+double SequenceScore::outside_ladder() const {
+  std::size_t all = 0;
+  std::size_t inside = 0;
+  for (const ImageFact& image : images) {
+    if (!(image.step_per_m > 0)) continue;
+    all += image.pixels[kAll];
+    inside += image.pixels[kAllInLadder];
+  }
+  return static_cast<double>(all - inside) / static_cast<double>(all);
+}
+
+SequenceScore overall(const std::vector<SequenceScore>& sequences) {
+  SequenceScore all;
+  all.recording = "overall";
+  for (const SequenceScore& sequence : sequences) {
+    all.truth_images += sequence.truth_images;
+    all.without_tick += sequence.without_tick;
+    all.over_limit += sequence.over_limit;
+    all.images.insert(all.images.end(), sequence.images.begin(), sequence.images.end());
+    all.methods.resize(sequence.methods.size());
+    for (std::size_t m = 0; m < all.methods.size(); ++m) {
+      MethodScore& sum = all.methods[m];
+      const MethodScore& one = sequence.methods[m];
+      sum.method = one.method;
+      for (std::size_t set = 0; set < kPixelSets; ++set) sum.sets[set].add(one.sets[set]);
+      sum.coverage.add(one.coverage);
+      sum.events_coverage.add(one.events_coverage);
+      sum.images_with_estimate += one.images_with_estimate;
+      sum.sparsification.add(one.sparsification);
+    }
+  }
+  return all;
+}
+
+}  // namespace egofocus::recording
