@@ -38,8 +38,8 @@ class Sway {
 DriveStyle drive_style(Vehicle vehicle, std::uint64_t seed) {
   Random random(seed, "drive style");
   DriveStyle style;
-  style.acceleration_m_s2 = random.uniform(1.2, 2.5);
-  style.braking_m_s2 = random.uniform(1.5, 3.2);
+  style.acceleration_m_s2 = random.uniform(1.5, 3.2);
+  style.braking_m_s2 = random.uniform(1.8, 3.5);
   style.lateral_m_s2 = random.uniform(1.5, 3.0);
   style.stop_every_m = random.log_uniform(100, 500);
   const double rough = random.log_uniform(0.4, 1.8);

@@ -12,6 +12,7 @@ constexpr double kCell = 0.05;            // of progress
 constexpr double kMostRounded_rad = 2.4;  // sharper corners would need too much room
 constexpr double kMostSlope = 0.25;
 constexpr double kSteering_s = 1.0;
+constexpr double kUsedWidth = 0.85;  // of the free half width, in corners
 
 using sim::Vec3;
 
@@ -98,7 +99,9 @@ std::vector<DrivePath::Aim> DrivePath::aims_of(const Route& route, const PathSty
     const double way = flat_distance(a, b);
     aims.back().speed_limit = limit;
     const double spacing = style.wander_spacing_m * random.uniform(0.7, 1.3);
-    for (double s = spacing; s + spacing < way; s += spacing * random.uniform(0.8, 1.4)) {
+    // Corners are cut into what is straight, so the aim does not wander near them.
+    const double clear = std::max(spacing, 3 * style.corner_radius_m);
+    for (double s = clear; s + clear < way; s += spacing * random.uniform(0.8, 1.4)) {
       const double aside = style.wander_half_width * route.half_width_m * random.uniform(-1, 1) / way;
       const Vec3 left{-(b[1] - a[1]) * aside, (b[0] - a[0]) * aside, 0};
       aims.push_back({a + (s / way) * (b - a) + left, limit});
@@ -133,7 +136,8 @@ DrivePath::DrivePath(const Route& route, const PathStyle& style, double length_m
     const double wanted = std::max(tight, aims[i].speed_limit * kSteering_s);
     const double room = 0.4 * std::min(flat_distance(aims[i - 1].point, aims[i].point),
                                        flat_distance(aims[i].point, aims[i + 1].point));
-    const double most_cut = (0.9 - style.wander_half_width) * route.half_width_m;
+    // The corner's middle lies on the bisector, so it is nearer to both legs than to the corner itself.
+    const double most_cut = kUsedWidth * route.half_width_m / cosine(0.5 * sharpness);
     corner.length = std::min({wanted, room / unit.tangent, most_cut / (unit.cut + 1e-9)});
     corner.tangent = corner.length * unit.tangent;
   }

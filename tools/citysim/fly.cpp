@@ -64,7 +64,8 @@ class Planner {
     if (!travel && mood_ != Mood::kDrift) left_ += 3;  // a spline stands only after four equal points
     speed_ = travel ? random_.log_uniform(std::max(0.3, style_.min_speed_m_s), style_.max_speed_m_s)
                     : style_.min_speed_m_s * random_.uniform(0.7, 1.5);
-    sweep_ = style_.max_rate_rad_s * random_.uniform(0.3, 0.85) * (random_.chance(0.5) ? 1 : -1);
+    const bool leftwards = random_.chance(0.5);
+    sweep_ = style_.max_rate_rad_s * random_.uniform(0.3, 0.85) * (leftwards ? 1 : -1);
     nod_ = 0.3 * style_.max_rate_rad_s * random_.uniform(-1, 1);
     tremor_ = mood_ == Mood::kDeadStill ? 0 : random_.uniform(0.4, 1.0);
     if (travel) choose_goal();

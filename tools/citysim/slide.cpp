@@ -51,8 +51,10 @@ Vec3 stroke_direction(double yaw, Random& random) {
   if (dice < 0.4) return left;
   if (dice < 0.6) return forward;
   if (dice < 0.7) return up;
-  const Vec3 mixed = random.uniform(-1, 1) * forward + random.uniform(-1, 1) * left +
-                     random.uniform(-0.5, 0.5) * up + 0.1 * left;
+  const double ahead = random.uniform(-1, 1);
+  const double aside = random.uniform(0.1, 1);
+  const double rise = random.uniform(-0.5, 0.5);
+  const Vec3 mixed = ahead * forward + aside * left + rise * up;
   return (1 / square_root(sim::dot(mixed, mixed))) * mixed;
 }
 
@@ -69,7 +71,8 @@ bool straight_stroke(const FreeBox& box, double yaw, Random& random, Stroke& str
 
 bool orbit_stroke(const FreeBox& box, const Vec3& sight, Random& random, Stroke& stroke) {
   stroke.centre = sight;
-  stroke.turn = random.uniform(0.2, 1.2) * (random.chance(0.5) ? 1 : -1);
+  const bool leftwards = random.chance(0.5);
+  stroke.turn = random.uniform(0.2, 1.2) * (leftwards ? 1 : -1);
   const double x = stroke.from[0] - sight[0];
   const double y = stroke.from[1] - sight[1];
   stroke.length = absolute(stroke.turn) * square_root(x * x + y * y);

@@ -7,6 +7,7 @@
 namespace egofocus::citysim {
 namespace {
 
+using sim::Random;
 using Node = DrivePath::Node;
 
 /// A stay at one node.
@@ -16,7 +17,7 @@ struct Stop {
 };
 
 /// Where the robot stands: at its start (perhaps), at traffic lights, before and after a turn on the spot.
-std::vector<Stop> stops_of(const DrivePath& path, const DriveStyle& style, sim::Random& random) {
+std::vector<Stop> stops_of(const DrivePath& path, const DriveStyle& style, Random& random) {
   const std::vector<Node>& nodes = path.nodes();
   const double settle_s = 2 * style.smoothing_s;  // smoothing eats that much of a stop
   std::vector<Stop> stops;
@@ -36,19 +37,21 @@ std::vector<Stop> stops_of(const DrivePath& path, const DriveStyle& style, sim::
   return stops;
 }
 
-/// Squared speed at each node.
+/// Squared speed at each node. Each piece of the path has its mood: how much of the limits is used.
 std::vector<double> speeds_of(const DrivePath& path, const DriveStyle& style, const std::vector<Stop>& stops,
-                              sim::Random& random) {
+                              Random& random) {
   const std::vector<Node>& nodes = path.nodes();
   const std::size_t n = nodes.size();
   std::vector<double> squared(n);
+  std::vector<double> vigour(n);
   double mood = 1;
-  std::size_t mood_piece = n;
+  double pull = 1;
   for (std::size_t i = 0; i < n; ++i) {
-    if (nodes[i].piece != mood_piece) {
-      mood_piece = nodes[i].piece;
+    if (i == 0 || nodes[i].piece != nodes[i - 1].piece) {
       mood = 1 - style.hesitation * random.uniform();
+      pull = random.uniform(0.5, 1);
     }
+    vigour[i] = pull;
     double limit = mood * std::min(nodes[i].speed_limit, style.max_speed_m_s);
     const double turn = absolute(nodes[i].turn_per_progress);
     if (nodes[i].in_place) {
@@ -62,11 +65,14 @@ std::vector<double> speeds_of(const DrivePath& path, const DriveStyle& style, co
   for (const Stop& stop : stops) squared[stop.node] = 0;
   for (std::size_t i = n - 1; i-- > 0;) {
     const double way = nodes[i + 1].progress - nodes[i].progress;
-    squared[i] = std::min(squared[i], squared[i + 1] + 2 * style.braking_m_s2 * way);
+    squared[i] = std::min(squared[i], squared[i + 1] + 2 * vigour[i] * style.braking_m_s2 * way);
   }
+  // Engines pull less the faster they turn.
+  const double top2 = style.max_speed_m_s * style.max_speed_m_s;
   for (std::size_t i = 1; i < n; ++i) {
     const double way = nodes[i].progress - nodes[i - 1].progress;
-    squared[i] = std::min(squared[i], squared[i - 1] + 2 * style.acceleration_m_s2 * way);
+    const double force = vigour[i] * (1 - 0.6 * std::min(1.0, squared[i - 1] / top2));
+    squared[i] = std::min(squared[i], squared[i - 1] + 2 * force * style.acceleration_m_s2 * way);
   }
   return squared;
 }

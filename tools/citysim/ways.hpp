@@ -15,8 +15,10 @@ using sim::operator*;
 struct Route {
   std::vector<sim::Vec3> points;        ///< straight pieces; corners are rounded by who drives it
   std::vector<double> speed_limit_m_s;  ///< of the piece that begins at the point; as many as points
-  double half_width_m = 1.5;            ///< free to each side
-  bool closed = false;                  ///< the last point leads to the first
+  /// Free to each side. Corners are rounded within it, so it bounds their radius: a right angle's is at most
+  /// 2.5 half widths (cars want 5 m and more), and needs legs of 3.6 radii.
+  double half_width_m = 1.5;
+  bool closed = false;  ///< the last point leads to the first
 };
 
 /// A box without obstacles, where a camera may be.
