@@ -23,6 +23,16 @@ bool is_hdf5(const std::filesystem::path& path) {
   return file && head == kSignature;
 }
 
+namespace {
+
+void require_hdf5(const std::filesystem::path& path) {
+  if (!std::ifstream(path, std::ios::binary))
+    throw Error(ExitCode::kFile, path.string(), "cannot be opened. Check the path and the permissions.");
+  if (!is_hdf5(path)) throw Error(ExitCode::kBadFile, path.string(), "is no HDF5 file.");
+}
+
+}  // namespace
+
 #ifdef EGOFOCUS_HAVE_HDF5
 
 namespace {
@@ -165,9 +175,7 @@ void Hdf5Dataset::read(std::uint64_t first, std::size_t count, std::span<std::in
 
 Hdf5File::Hdf5File(std::filesystem::path path) : path_(std::move(path)) {
   set_up_library();
-  if (!std::ifstream(path_, std::ios::binary))
-    throw Error(ExitCode::kFile, path_.string(), "cannot be opened. Check the path and the permissions.");
-  if (!is_hdf5(path_)) throw Error(ExitCode::kBadFile, path_.string(), "is no HDF5 file.");
+  require_hdf5(path_);
   id_ = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id_ < 0) {
     throw Error(
@@ -247,6 +255,7 @@ void Hdf5Dataset::read(std::uint64_t, std::size_t, std::span<std::int64_t>) cons
   no_hdf5(where_);
 }
 Hdf5File::Hdf5File(std::filesystem::path path) : path_(std::move(path)) {
+  require_hdf5(path_);
   no_hdf5(path_);
 }
 Hdf5File::~Hdf5File() = default;
