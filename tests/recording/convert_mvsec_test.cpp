@@ -318,7 +318,7 @@ TEST_CASE("MVSEC: what is wrong with a file is said") {
   rewrite([](Hdf5Writer& file) {
     file.write("/davis/left/events", H5T_IEEE_F64LE, {100, 4}, std::vector<double>());
   });
-  CHECK_THAT(refuse(set, ExitCode::kBadFile), Contains("no data was ever written"));
+  CHECK_THAT(refuse(set, ExitCode::kBadFile), Contains("100 rows, but no data was ever written"));
   rewrite([](Hdf5Writer& file) {
     file.write("/davis/left/events", H5T_IEEE_F64LE, {3, 4},
                std::vector<double>{NAN, 1, 5, 1, 1, 1, 1e300, 1, 400, 1, 5, 1});
