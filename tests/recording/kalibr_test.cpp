@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "egofocus/engine.hpp"
 #include "recording/error.hpp"
 #include "recording/temporary_folder.hpp"
 #include "recording/text_file.hpp"
@@ -57,6 +58,20 @@ cam3: {camera_model: omni}
   CHECK(cameras[1].camera_from_previous->rotation[1] == -1.0);
   CHECK(cameras[1].camera_from_previous->rotation[3] == 1.0);
   CHECK(cameras[1].camera_from_previous->translation_m[2] == 0.3);
+}
+
+TEST_CASE("a rounded T_cam_imu is good enough for the library") {
+  const std::vector<KalibrCamera> cameras = read(
+      "cam0:\n  camera_model: pinhole\n  intrinsics: [200, 200, 120, 90]\n  resolution: [240, 180]\n"
+      "  distortion_model: none\n"
+      "  T_cam_imu: [[0.866, -0.5, 0, 0.01], [0.5, 0.866, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n");
+  Config config;
+  config.camera = cameras.at(0).model;
+  set_body(config.motion, cameras[0].camera_from_imu.value());
+  CHECK(config.motion.camera_from_body[0] == Approx(0.866).epsilon(1e-4));
+  CHECK(config.motion.camera_from_body[1] == Approx(-0.5).epsilon(1e-4));
+  std::size_t bytes = 0;
+  CHECK(Engine::required_arena(config, bytes).ok());
 }
 
 TEST_CASE("a file that is no camera chain says why") {
