@@ -30,6 +30,15 @@ InputFormat guess_folder(const fs::path& input) {
   return InputFormat::kEcd;
 }
 
+/// An option that a format has no use for would be lost without a word.
+void refuse_unused(InputFormat format, const ConvertOptions& options) {
+  const bool has_calibration = format == InputFormat::kEcd || format == InputFormat::kDsec;
+  if (has_calibration && !options.kalibr.empty())
+    throw Error(ExitCode::kUsage, "--kalibr", "this layout has a calibration of its own. Leave it out.");
+  if (format == InputFormat::kEcd && options.camera == CameraSide::kRight)
+    throw Error(ExitCode::kUsage, "--camera", "a text set has one camera. Leave it out.");
+}
+
 /// What the file system refuses on the way is the user's to mend, not ours.
 template <typename Work>
 auto guarded(const Work& work) {
@@ -69,6 +78,7 @@ InputFormat guess_format(const fs::path& input) {
 
 ConvertReport convert(InputFormat format, const fs::path& input, const fs::path& output,
                       const ConvertOptions& options) {
+  refuse_unused(format, options);
   return guarded([&] {
     switch (format) {
       case InputFormat::kMvsec:

@@ -23,6 +23,16 @@ bool is_hdf5(const std::filesystem::path& path) {
   return file && head == kSignature;
 }
 
+namespace {
+
+void require_hdf5(const std::filesystem::path& path) {
+  if (!std::ifstream(path, std::ios::binary))
+    throw Error(ExitCode::kFile, path.string(), "cannot be opened. Check the path and the permissions.");
+  if (!is_hdf5(path)) throw Error(ExitCode::kBadFile, path.string(), "is no HDF5 file.");
+}
+
+}  // namespace
+
 #ifdef EGOFOCUS_HAVE_HDF5
 
 namespace {
@@ -165,9 +175,7 @@ void Hdf5Dataset::read(std::uint64_t first, std::size_t count, std::span<std::in
 
 Hdf5File::Hdf5File(std::filesystem::path path) : path_(std::move(path)) {
   set_up_library();
-  if (!std::ifstream(path_, std::ios::binary))
-    throw Error(ExitCode::kFile, path_.string(), "cannot be opened. Check the path and the permissions.");
-  if (!is_hdf5(path_)) throw Error(ExitCode::kBadFile, path_.string(), "is no HDF5 file.");
+  require_hdf5(path_);
   id_ = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id_ < 0) {
     throw Error(
@@ -212,9 +220,13 @@ Hdf5Dataset Hdf5File::dataset(const std::string& name, std::size_t rank, Hdf5Typ
     values *= dims[i];
   }
   set.row_values_ = static_cast<std::size_t>(values);
-  // A size that nobody wrote values for would read as zeros.
-  if (set.rows() > 0 && H5Dget_storage_size(set.id_) == 0)
-    throw Error(ExitCode::kBadFile, where, "has a size, but no data was ever written. Is the file whole?");
+  // Rows that nobody wrote values for would read as zeros. No filter packs real values this small.
+  const auto stored = static_cast<double>(H5Dget_storage_size(set.id_));
+  if (static_cast<double>(set.rows()) * static_cast<double>(values) > 1e5 * stored) {
+    throw Error(ExitCode::kBadFile, where,
+                "has " + std::to_string(set.rows()) +
+                    " rows, but no data was ever written for them. Is the file whole?");
+  }
   set.check_filters();
   return set;
 }
@@ -247,6 +259,7 @@ void Hdf5Dataset::read(std::uint64_t, std::size_t, std::span<std::int64_t>) cons
   no_hdf5(where_);
 }
 Hdf5File::Hdf5File(std::filesystem::path path) : path_(std::move(path)) {
+  require_hdf5(path_);
   no_hdf5(path_);
 }
 Hdf5File::~Hdf5File() = default;

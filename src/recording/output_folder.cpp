@@ -15,6 +15,11 @@ fs::path without_trailing_slash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
 }
 
+bool is_empty_folder(const fs::path& path) {
+  std::error_code failure;
+  return fs::is_directory(path, failure) && fs::is_empty(path, failure) && !failure;
+}
+
 }  // namespace
 
 OutputFolder::OutputFolder(fs::path output) : output_(without_trailing_slash(std::move(output))) {
@@ -25,7 +30,7 @@ OutputFolder::OutputFolder(fs::path output) : output_(without_trailing_slash(std
                 "already holds a recording. Choose another folder, or remove it first.");
   }
   std::error_code ignored;
-  if (output_.empty() || (fs::exists(output_, ignored) && !fs::is_empty(output_, ignored))) {
+  if (output_.empty() || (fs::exists(output_, ignored) && !is_empty_folder(output_))) {
     throw Error(ExitCode::kUsage, output_.string(),
                 "is there already and is no empty folder. Choose another name for the recording.");
   }

@@ -4,6 +4,26 @@
 #include <cmath>
 
 namespace egofocus::recording {
+namespace {
+
+/// Files have rounded numbers: x keeps its direction, y its plane, z is their product.
+void make_orthonormal(std::array<double, 9>& r) {
+  const auto normalise = [](double* row) {
+    const double norm = std::sqrt(row[0] * row[0] + row[1] * row[1] + row[2] * row[2]);
+    for (int i = 0; i < 3; ++i) row[i] /= norm;
+  };
+  double* const x = &r[0];
+  double* const y = &r[3];
+  normalise(x);
+  const double along = x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+  for (int i = 0; i < 3; ++i) y[i] -= along * x[i];
+  normalise(y);
+  r[6] = x[1] * y[2] - x[2] * y[1];
+  r[7] = x[2] * y[0] - x[0] * y[2];
+  r[8] = x[0] * y[1] - x[1] * y[0];
+}
+
+}  // namespace
 
 RigidTransform operator*(const RigidTransform& a, const RigidTransform& b) {
   RigidTransform result;
@@ -60,7 +80,9 @@ bool from_matrix(std::span<const double> values, RigidTransform& transform) {
   for (std::size_t column = 0; column < 4; ++column) {
     if (std::abs(values[12 + column] - kLastRow[column]) > 1e-6) return false;
   }
-  return is_rotation(transform.rotation);
+  if (!is_rotation(transform.rotation)) return false;
+  make_orthonormal(transform.rotation);
+  return true;
 }
 
 PoseSample pose_of(std::int64_t t_us, const RigidTransform& world_from_camera) {

@@ -20,7 +20,8 @@ struct RigidTransform {
 /// Is it a right-handed rotation, with an error of at most 0.01 in any element of R R^T, and finite?
 [[nodiscard]] bool is_rotation(const std::array<double, 9>& rotation);
 
-/// From 16 values, a 4x4 matrix row by row. False if it is no rigid transform.
+/// From 16 values, a 4x4 matrix row by row. False if it is no rigid transform; a rotation that was rounded is
+/// made orthonormal.
 [[nodiscard]] bool from_matrix(std::span<const double> values, RigidTransform& transform);
 
 /// world_from_camera as a pose; the quaternion has a length of 1 and qw >= 0.

@@ -46,6 +46,8 @@ printf '0.1 10 20 1\n' >"$work/set/events.txt"
 printf '199.5 200 120 90\n' >"$work/set/calib.txt"
 printf '0 0 0 0 0 0 0 1\n0.2 1 0 0 0 0 0 1\n' >"$work/set/groundtruth.txt"
 run 0 '"events": 1,.*"poses": 2,' convert "$work/set" "$work/out" --json
+refuse 2 'calibration of its own' convert "$work/set" "$work/out2" --kalibr "$work/k.yaml"
+refuse 2 'has one camera' convert "$work/set" "$work/out2" --camera right
 refuse 2 'already holds a recording' convert "$work/set" "$work/out"
 [ ! -e "$work/out.partial" ] || { echo "FAILED: out.partial is left"; failures=$((failures + 1)); }
 

@@ -7,6 +7,8 @@
 #include <cstdlib>
 
 #include "recording/converted.hpp"
+#include "recording/event_file.hpp"
+#include "recording/imu_log.hpp"
 #include "recording/pose_file.hpp"
 #include "recording/temporary_folder.hpp"
 #include "recording/text_file.hpp"
@@ -92,6 +94,18 @@ TEST_CASE("files that may not be read, and folders that may not be written, are 
   }
   fs::permissions(at.path(), fs::perms::owner_all);
   fs::permissions(at / "closed", fs::perms::owner_all);
+}
+
+TEST_CASE("a full disk is a message") {
+  if (!fs::exists("/dev/full")) return;
+  const auto fill = [] {
+    EventFile file("/dev/full", {320, 240});
+    file.write(some_events(100000, 320, 240, 5));
+    file.close();
+  };
+  CHECK_THROWS_WITH(fill(), Contains("is the disk full?"));
+  ImuLog log("/dev/full");
+  CHECK_THROWS_WITH((log.write({}), log.close()), Contains("is the disk full?"));
 }
 
 TEST_CASE("poses of the user's own, moved to the same origin as the events") {

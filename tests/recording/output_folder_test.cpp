@@ -46,7 +46,7 @@ TEST_CASE("an output that holds something is refused") {
   CHECK_THROWS_WITH(OutputFolder(at / "out"), Contains("no empty folder"));
   write_text_file(at / "out/events.raw", "");
   CHECK_THROWS_WITH(OutputFolder(at / "out"), Contains("already holds a recording"));
-  write_text_file(at / "file", "some text");
+  write_text_file(at / "file", "");
   CHECK_THROWS_WITH(OutputFolder(at / "file"), Contains("no empty folder"));
 }
 
