@@ -117,6 +117,25 @@ TEST_CASE("hands and drones stay in their boxes and do everything in turn") {
   }
 }
 
+TEST_CASE("around a corner from box to box no corner is cut") {
+  Ways ways;
+  ways.boxes = {{{0, 0, 0}, {6, 0.8, 2}}, {{5.4, 0, 0}, {6, 6, 2}}};
+  ways.sights = {{3, 3, 1}, {8, 3, 1}, {3, -2, 1}};
+  FlyStyle style;
+  style.margin_m = 0;
+  style.tremor_m_s = 0;
+  style.min_speed_m_s = 1;
+  style.max_speed_m_s = 3;
+  style.max_acceleration_m_s2 = 6;
+  int crossed = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Figures f = figures_of(fly(ways, style, kDuration_s, seed), ways);
+    CHECK(f.least_depth_m > -1e-9);
+    if (f.both_boxes) ++crossed;
+  }
+  CHECK(crossed >= 10);
+}
+
 TEST_CASE("sliders and arms stay in their box, stroke after stroke") {
   for (const Robot robot : {Robot::kSlider, Robot::kArm}) {
     double turned_s = 0;

@@ -210,17 +210,18 @@ TEST_CASE("the wire carries one frame at a time, the lowest id first") {
   std::int64_t busy_us = 0;
   const std::vector<CanFrame> wire = arbitrated(
       {frame(1000, 0x300, false, 8), frame(1001, 0x2AA, false, 8), frame(1001, 0x0AA80001, true, 8),
-       frame(1002, 0x100, false, 1), frame(9000, 0x7FF, false, 0)},
+       frame(1001, 0x0AA40001, true, 8), frame(1002, 0x100, false, 1), frame(9000, 0x7FF, false, 0)},
       500000, busy_us);
-  REQUIRE(wire.size() == 5);
+  REQUIRE(wire.size() == 6);
   CHECK(wire[0].id == 0x300);  // alone when it began
   CHECK(wire[1].id == 0x100);
-  CHECK(wire[2].id == 0x2AA);
-  CHECK(wire[3].id == 0x0AA80001);  // the same first 11 bits: the short id wins
-  CHECK(wire[4].id == 0x7FF);
+  CHECK(wire[2].id == 0x0AA40001);  // its first 11 bits are 0x2A9
+  CHECK(wire[3].id == 0x2AA);
+  CHECK(wire[4].id == 0x0AA80001);  // the same first 11 bits: the short id wins
+  CHECK(wire[5].id == 0x7FF);
   CHECK(wire[0].t_us >= 1220);  // an 8-byte frame at 500 kbit/s takes 0.22 to 0.27 ms
   CHECK(wire[0].t_us <= 1270);
-  CHECK(wire[4].t_us == 9000 + frame_time_us(wire[4], 500000));
+  CHECK(wire[5].t_us == 9000 + frame_time_us(wire[5], 500000));
   std::int64_t sum_us = 0;
   for (const CanFrame& f : wire) sum_us += frame_time_us(f, 500000);
   CHECK(busy_us == sum_us);
