@@ -71,6 +71,7 @@ struct MotionConfig {
   double camera_in_body_m[3] = {0, 0, 0};
   double gyro_noise_rad_s = 0.005;      ///< 1-sigma of one sample
   double gyro_bias_walk_rad_s2 = 1e-4;  ///< per sqrt(s)
+  /// 1-sigma of one sample at rest. Stating much more than it is sees the end of a standstill late.
   double accel_noise_m_s2 = 0.15;
   double wheel_noise_m_s = 0.05;    ///< 1-sigma, quantisation included
   double wheel_scale_error = 0.02;  ///< 1-sigma, relative

@@ -12,6 +12,9 @@
 // slow, perfectly even and on the spot looks like a bias until the bias is known; afterwards the gate refuses
 // it.)
 //
+// A wheel speed of exactly zero means that no pulses come: slower than 1..2 km/h, no more. It is weighed so,
+// but it still counts as quiet for the standstill.
+//
 // The yaw bias of a kWheeled robot shows at standstill and when speed changes; at a constant speed it looks
 // like a roll (b_z v = g_y), and the covariance says so.
 //

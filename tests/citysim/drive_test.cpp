@@ -129,6 +129,20 @@ TEST_CASE("wheels do not move sideways, limits are kept, the route is not left")
   }
 }
 
+TEST_CASE("narrow streets are not left in corners of any angle") {
+  Ways ways;
+  ways.route.points = {{0, 0, 0}, {60, 0, 0}, {60, 60, 0}, {0, 90, 0}, {60, 130, 0}, {60, 200, 0}};
+  ways.route.speed_limit_m_s = {10, 10, 10, 10, 10, 10};
+  ways.route.half_width_m = 0.8;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Figures f =
+        figures_of(drive(ways, drive_style(Vehicle::kCar, seed), kDuration_s, seed), ways.route);
+    CHECK(f.off_route_m <= 0.8);
+    CHECK(f.off_route_m > 0.3);
+    CHECK(f.way_m > 130);
+  }
+}
+
 TEST_CASE("a car brakes nose down and leans out of a turn") {
   Ways ways;
   ways.route.points = {{0, 0, 0}, {100, 0, 0}, {100, 100, 0}, {0, 100, 0}};

@@ -117,6 +117,34 @@ TEST_CASE("hands and drones stay in their boxes and do everything in turn") {
   }
 }
 
+TEST_CASE("around a corner from box to box no corner is cut") {
+  Ways ways;
+  ways.boxes = {{{0, 0, 0}, {6, 0.15, 2}}, {{5.85, 0, 0}, {6, 6, 2}}};
+  ways.sights = {{3, 3, 1}, {8, 3, 1}, {3, -2, 1}};
+  FlyStyle style;
+  style.margin_m = 0;
+  style.tremor_m_s = 0;
+  style.min_speed_m_s = 1;
+  style.max_speed_m_s = 3;
+  style.max_acceleration_m_s2 = 6;
+  int crossed = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Trajectory trajectory = fly(ways, style, kDuration_s, seed);
+    double least_depth_m = 1e9;
+    bool first = false;
+    bool second = false;
+    for (double t = 0; t < kDuration_s; t += 0.005) {
+      const Vec3 p = trajectory.body_at(t).pose.position;
+      least_depth_m = std::min(least_depth_m, depth_inside(ways.boxes, p));
+      first = first || p[0] < 5;
+      second = second || p[1] > 1;
+    }
+    CHECK(least_depth_m > -1e-9);
+    if (first && second) ++crossed;
+  }
+  CHECK(crossed >= 10);
+}
+
 TEST_CASE("sliders and arms stay in their box, stroke after stroke") {
   for (const Robot robot : {Robot::kSlider, Robot::kArm}) {
     double turned_s = 0;

@@ -20,7 +20,9 @@ struct FlyStyle {
   double max_pitch_rad = 0.52;
   double tremor_m_s = 0.01;  ///< rms of the velocity, 3-11 Hz, each axis
   double tremor_rad_s = 0.05;
-  double margin_m = 0.15;  ///< kept from a box's sides where it is wide enough: a camera's lever arm fits in
+  /// Kept from a box's sides where it is wide enough, so that a camera's lever arm fits in. Boxes that share
+  /// less than two margins have no door between them.
+  double margin_m = 0.15;
 };
 
 /// Drawn per recording.
