@@ -5,11 +5,15 @@
 
 #include "commands.hpp"
 #include "core/decimal.hpp"
-#include "json.hpp"
-#include "progress.hpp"
 #include "recording/error.hpp"
+#include "recording/json.hpp"
+#include "recording/progress.hpp"
 
 namespace egofocus::app {
+
+using recording::Json;
+using recording::Progress;
+
 namespace {
 
 struct Arguments {

@@ -3,9 +3,11 @@
 
 #include <filesystem>
 
-#include "json.hpp"
+#include "recording/json.hpp"
 
 namespace egofocus::app {
+
+using recording::Json;
 
 /// Tells the kind by content, then by name. Throws recording::Error when the file is missing, damaged or of
 /// no known kind.

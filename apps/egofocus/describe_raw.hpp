@@ -6,9 +6,11 @@
 #include <string>
 
 #include "egofocus/types.hpp"
-#include "json.hpp"
+#include "recording/json.hpp"
 
 namespace egofocus::app {
+
+using recording::Json;
 
 /// Counts, times, mean rate, and the most events in any 10 ms as a rate.
 void add_event_facts(std::span<const Event> events, Json& facts);

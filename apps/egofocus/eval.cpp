@@ -12,13 +12,17 @@
 #include "eval_curve.hpp"
 #include "eval_report.hpp"
 #include "noise_options.hpp"
-#include "progress.hpp"
 #include "recording/depth_prior.hpp"
 #include "recording/error.hpp"
 #include "recording/evaluation.hpp"
+#include "recording/progress.hpp"
 #include "recording/text_file.hpp"
 
 namespace egofocus::app {
+
+using recording::Json;
+using recording::Progress;
+
 namespace {
 
 using recording::Error;

@@ -5,10 +5,12 @@
 #include <vector>
 
 #include "egofocus/config.hpp"
-#include "json.hpp"
 #include "recording/evaluation.hpp"
+#include "recording/json.hpp"
 
 namespace egofocus::app {
+
+using recording::Json;
 
 enum class Mask { kBoth, kAll, kEvents };
 

@@ -11,14 +11,18 @@
 #include "commands.hpp"
 #include "kernels/isa.hpp"
 #include "noise_options.hpp"
-#include "progress.hpp"
 #include "recording/error.hpp"
 #include "recording/png_io.hpp"
+#include "recording/progress.hpp"
 #include "recording/text_file.hpp"
 #include "replay_pictures.hpp"
 #include "replay_report.hpp"
 
 namespace egofocus::app {
+
+using recording::Json;
+using recording::Progress;
+
 namespace {
 
 struct Arguments {

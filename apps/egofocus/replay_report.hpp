@@ -8,11 +8,13 @@
 
 #include "egofocus/health.hpp"
 #include "egofocus/types.hpp"
-#include "json.hpp"
 #include "recording/depth_error.hpp"
+#include "recording/json.hpp"
 #include "recording/replay.hpp"
 
 namespace egofocus::app {
+
+using recording::Json;
 
 /// FNV-1a, 64 bits, over the frame's depth, confidence, scale, flags and counts: equal hashes, equal frames.
 [[nodiscard]] std::uint64_t frame_hash(const DepthFrame& frame) noexcept;

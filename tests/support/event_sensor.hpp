@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "egofocus/config.hpp"
 #include "citysim/random.hpp"
+#include "egofocus/config.hpp"
 
 namespace egofocus::sim {
 

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "recording/number_text.hpp"
 #include "citysim/random.hpp"
+#include "recording/number_text.hpp"
 
 namespace egofocus::sim {
 namespace {

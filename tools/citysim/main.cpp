@@ -9,9 +9,9 @@
 #include "citysim/recording_writer.hpp"
 #include "citysim/world.hpp"
 #include "egofocus/version.hpp"
-#include "json.hpp"
-#include "progress.hpp"
 #include "recording/error.hpp"
+#include "recording/json.hpp"
+#include "recording/progress.hpp"
 
 namespace egofocus::citysim {
 namespace {
@@ -73,12 +73,12 @@ void run(const Arguments& arguments) {
       options.width_px > 1280 || options.height_px < 64 || options.height_px > 1280) {
     throw Error(ExitCode::kUsage, "--size", "must look like 346x260, each side within 64..1280.");
   }
-  app::Progress progress(arguments.family);
+  recording::Progress progress(arguments.family);
   options.progress = [&progress](int done, int all) {
     progress.show(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
   };
   const RecordingReport report = write_recording(options, arguments.out);
-  app::Json facts;
+  recording::Json facts;
   facts.add("recording", arguments.out)
       .add("seconds", report.seconds)
       .add("events", report.events)

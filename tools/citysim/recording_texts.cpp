@@ -4,8 +4,8 @@
 
 #include "citysim/can_bus.hpp"
 #include "egofocus/version.hpp"
-#include "json.hpp"
 #include "recording/camera_toml.hpp"
+#include "recording/json.hpp"
 #include "recording/pose_file.hpp"
 
 namespace egofocus::citysim {
@@ -89,7 +89,7 @@ std::map<std::string, std::string> recording_texts(const World& world, const Rec
 
 std::string recording_facts(const World& world, const RecordingOptions& options,
                             const RecordingReport& report, const DvsCounters& sensor) {
-  using app::Json;
+  using recording::Json;
   Json drawn;
   for (const NamedValue& value : describe(world.sensor)) drawn.add(std::string(value.name), value.value);
   const BusFaults faults = draw_bus_faults(world.robot, options.seed);

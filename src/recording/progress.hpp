@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string>
 
-namespace egofocus::app {
+namespace egofocus::recording {
 
 class Progress {
  public:
@@ -38,4 +38,4 @@ class Progress {
   int drawn_permille_ = -1;
 };
 
-}  // namespace egofocus::app
+}  // namespace egofocus::recording

@@ -13,7 +13,7 @@
 
 #include "recording/number_text.hpp"
 
-namespace egofocus::app {
+namespace egofocus::recording {
 
 inline std::string json_text(std::string_view value) {
   std::string text = "\"";
@@ -46,7 +46,7 @@ class Json {
   template <typename Number>
   requires(std::is_arithmetic_v<Number> && !std::is_same_v<Number, bool>) Json& add(std::string key,
                                                                                     Number value) {
-    const std::string text = recording::number_text(value);
+    const std::string text = number_text(value);
     const bool is_finite = !std::is_floating_point_v<Number> || std::isfinite(static_cast<double>(value));
     return put(std::move(key), is_finite ? text : "null", text);
   }
@@ -68,8 +68,8 @@ class Json {
     std::string json = "[";
     std::string text;
     for (const double value : values) {
-      json += (json.size() > 1 ? ", " : "") + (std::isfinite(value) ? recording::number_text(value) : "null");
-      text += (text.empty() ? "" : " ") + recording::number_text(value);
+      json += (json.size() > 1 ? ", " : "") + (std::isfinite(value) ? number_text(value) : "null");
+      text += (text.empty() ? "" : " ") + number_text(value);
     }
     return put(std::move(key), json + "]", text);
   }
@@ -110,4 +110,4 @@ class Json {
   std::vector<Entry> entries_;
 };
 
-}  // namespace egofocus::app
+}  // namespace egofocus::recording
