@@ -12,8 +12,8 @@ constexpr int kBatch = 12;                       // views rendered at once
 constexpr std::int64_t kLongestBatchUs = 12000;  // speeds are measured once a batch
 constexpr std::int64_t kShortestStepUs = 100;
 constexpr std::int64_t kLongestStepUs = 5000;
-constexpr std::int64_t kFlickerStepUs = 1250;  // eight views a period of 100 Hz
-constexpr double kStep_px = 0.8;               // aimed at; the limit is 1
+constexpr std::int64_t kFlickerStepUs = 2000;  // five views a period of 100 Hz
+constexpr double kStep_px = 0.9;               // aimed at; the limit is 1
 
 double seconds(std::int64_t t_us) {
   return 1e-6 * static_cast<double>(t_us);
@@ -26,13 +26,15 @@ struct Saved {
 
 }  // namespace
 
-Film::Film(const World& world, Workers& workers, std::uint64_t seed)
+Film::Film(const World& world, const Optics& optics, Workers& workers, std::uint64_t seed,
+           std::int64_t start_us)
     : world_(world),
       workers_(workers),
-      optics_(world.camera),
+      optics_(optics),
       renderer_(world.scene, optics_, world.blur),
       sensor_(world.camera.intrinsics.width_px, world.camera.intrinsics.height_px, world.sensor,
-              mix_bits(seed ^ 0x5e5)) {
+              mix_bits(seed ^ 0x5e5)),
+      start_us_(start_us) {
   views_.resize(kBatch);
   scratches_.resize(kBatch);
 }
@@ -83,7 +85,7 @@ double Film::fast_speed_px_s(const View& view, std::int64_t t_us) const {
 
 void Film::run_to(std::int64_t t_us, std::vector<Event>& events) {
   if (last_us_ < 0) {
-    const std::int64_t first[1] = {0};
+    const std::int64_t first[1] = {start_us_};
     show_batch(first, events);
   }
   const std::int64_t longest = world_.scene.flicker_depth > 0 ? kFlickerStepUs : kLongestStepUs;

@@ -18,7 +18,9 @@ struct FilmCounters {
 
 class Film {
  public:
-  Film(const World& world, Workers& workers, std::uint64_t seed);
+  /// `optics` are the world's camera's. The first view is at `start_us`. All must outlive the film.
+  Film(const World& world, const Optics& optics, Workers& workers, std::uint64_t seed,
+       std::int64_t start_us = 0);
 
   /// Goes on to `t_us`, which is a view itself; appends the events on the way. Events whose stamps may still
   /// be overtaken come with the next call.
@@ -40,12 +42,13 @@ class Film {
 
   const World& world_;
   Workers& workers_;
-  Optics optics_;
+  const Optics& optics_;
   Renderer renderer_;
   Dvs sensor_;
   std::vector<View> views_;
   std::vector<RenderScratch> scratches_;
   View last_;
+  std::int64_t start_us_;
   std::int64_t last_us_ = -1;
   FilmCounters counters_;
 };

@@ -189,7 +189,8 @@ RecordingReport write_recording(const RecordingOptions& options, const fs::path&
                                   .library = nullptr},
                                  options.seed);
   Workers workers(options.threads);
-  Film film(world, workers, options.seed);
+  const Optics optics(world.camera);
+  Film film(world, optics, workers, options.seed);
   GridCamera grid(world);
   const fs::path raw = partial / "events.raw";
   RecordingReport report;

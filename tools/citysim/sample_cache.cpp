@@ -1,0 +1,103 @@
+#include "citysim/sample_cache.hpp"
+
+#include <atomic>
+#include <cstdio>
+#include <fstream>
+#include <mutex>
+
+#include "citysim/sample.hpp"
+#include "recording/error.hpp"
+#include "recording/text_file.hpp"
+
+namespace egofocus::citysim {
+namespace {
+
+namespace fs = std::filesystem;
+using recording::Error;
+using recording::ExitCode;
+
+constexpr char kMagic[8] = {'E', 'G', 'S', 'H', 'A', 'R', 'D', '1'};
+constexpr double kWorld_s = 12;
+
+std::string arguments_text(const SampleOptions& options) {
+  std::string text = "citysim samples\nseed " + std::to_string(options.seed) + "\nsize " +
+                     std::to_string(options.width_px) + "x" + std::to_string(options.height_px) +
+                     "\nfamilies";
+  for (const Family family : options.families) text += " " + std::string(name_of(family));
+  return text + "\n";
+}
+
+/// One thread makes a shard alone, so its bytes depend on nothing but its number and the arguments.
+std::vector<std::byte> make_shard(const SampleOptions& options, int shard) {
+  std::vector<std::byte> bytes;
+  for (const char letter : kMagic) bytes.push_back(static_cast<std::byte>(letter));
+  const std::uint64_t seed = mix_bits(mix_bits(options.seed) + static_cast<std::uint64_t>(shard));
+  const auto library = std::make_shared<const TextureLibrary>(seed);
+  Workers alone(1);
+  for (int w = 0; w < kShardSamples / kWorldSamples; ++w) {
+    const std::uint64_t world_seed = mix_bits(seed ^ (static_cast<std::uint64_t>(w) + 1));
+    Random random(world_seed, "family");
+    const Family family = options.families[random.below(static_cast<std::uint32_t>(options.families.size()))];
+    const World world = make_world(family,
+                                   {.width_px = options.width_px,
+                                    .height_px = options.height_px,
+                                    .duration_s = kWorld_s,
+                                    .clean_sensor = false,
+                                    .library = library},
+                                   world_seed);
+    for (const Sample& sample : draw_samples(world, world_seed, kWorld_s, kWorldSamples, alone)) {
+      const std::vector<std::byte> record = sample_bytes(sample);
+      for (std::size_t i = 0; i < 4; ++i)
+        bytes.push_back(static_cast<std::byte>((record.size() >> (8 * i)) & 0xff));
+      bytes.insert(bytes.end(), record.begin(), record.end());
+    }
+  }
+  return bytes;
+}
+
+void write_whole(const fs::path& path, std::span<const std::byte> bytes) {
+  fs::path partial = path;
+  partial += ".partial";
+  recording::write_text_file(partial, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  fs::rename(partial, path);
+}
+
+}  // namespace
+
+fs::path shard_path(const fs::path& folder, int shard) {
+  char name[32];
+  std::snprintf(name, sizeof name, "shard_%06d.egs", shard);
+  return folder / name;
+}
+
+int fill_sample_cache(const SampleOptions& options, const fs::path& folder) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure) throw Error(ExitCode::kFile, folder.string(), "cannot be made (" + failure.message() + ").");
+  const fs::path about = folder / "samples.txt";
+  const std::string arguments = arguments_text(options);
+  if (!fs::exists(about)) {
+    recording::write_text_file(about, arguments);
+  } else if (recording::read_text_file(about) != arguments) {
+    throw Error(ExitCode::kUsage, folder.string(),
+                "holds samples of other arguments: see samples.txt there. Choose another folder.");
+  }
+  const int shards = (options.count + kShardSamples - 1) / kShardSamples;
+  std::vector<int> missing;
+  for (int shard = 0; shard < shards; ++shard) {
+    if (!fs::exists(shard_path(folder, shard))) missing.push_back(shard);
+  }
+  std::mutex mutex;
+  int done = shards - static_cast<int>(missing.size());
+  Workers workers(options.threads);
+  workers.for_each(static_cast<int>(missing.size()), [&](int i) {
+    const int shard = missing[static_cast<std::size_t>(i)];
+    write_whole(shard_path(folder, shard), make_shard(options, shard));
+    const std::lock_guard lock(mutex);
+    ++done;
+    if (options.progress) options.progress(done, shards);
+  });
+  return static_cast<int>(missing.size());
+}
+
+}  // namespace egofocus::citysim

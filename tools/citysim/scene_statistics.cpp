@@ -1,0 +1,140 @@
+#include "citysim/scene_statistics.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "citysim/logarithm.hpp"
+#include "citysim/renderer.hpp"
+#include "pipeline/hypothesis_ladder.hpp"
+
+namespace egofocus::citysim {
+namespace {
+
+constexpr double kRecording_s = 60;
+constexpr std::int64_t kWindowUs = 200000;  // as the library's longest
+
+/// Counts of one view.
+struct Counts {
+  std::array<double, kDepthBounds_m.size() + 2> depth{};
+  double pixels = 0, textureless = 0, movers = 0, in_parallax = 0, nearer = 0, farther = 0;
+  bool parallax = false;
+  double speed_m_s = 0, rate_rad_s = 0;
+};
+
+HypothesisLadder ladder_at(const World& world, double t_s) {
+  std::vector<CameraMotion> motion;
+  const std::int64_t end_us = static_cast<std::int64_t>(1e6 * t_s);
+  for (int i = 0; i <= 20; ++i) {
+    CameraMotion at;
+    at.t_us = end_us - kWindowUs + kWindowUs * i / 20;
+    const RigidState state = world.camera_at(1e-6 * static_cast<double>(at.t_us));
+    for (std::size_t k = 0; k < 3; ++k) {
+      at.velocity_m_s[k] = state.velocity_m_s[k];
+      at.angular_rate_rad_s[k] = state.rate_rad_s[k];
+    }
+    motion.push_back(at);
+  }
+  MotionTrack track;
+  integrate_track(motion, end_us - kWindowUs, end_us, track);
+  LadderConfig config;
+  config.z_near_m = world.z_near_m;
+  return choose_ladder(config, world.grid, track);
+}
+
+bool is_blank(const std::vector<float>& log_light, int width, int x, int y) {
+  float low = 1e9f;
+  float high = -1e9f;
+  for (int dy = -2; dy <= 2; ++dy) {
+    for (int dx = -2; dx <= 2; ++dx) {
+      const float value = log_light[static_cast<std::size_t>((y + dy) * width + x + dx)];
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  return high - low < static_cast<float>(kBlank);
+}
+
+Counts count(const World& world, const Renderer& renderer, double t_s) {
+  RenderScratch scratch;
+  View view;
+  const RigidState camera = world.camera_at(t_s);
+  renderer.render(camera.pose, t_s, scratch, view);
+  const HypothesisLadder ladder = ladder_at(world, t_s);
+  const int width = world.grid.width_px;
+  const int height = world.grid.height_px;
+  std::vector<float> log_light(view.light.size());
+  std::transform(view.light.begin(), view.light.end(), log_light.begin(),
+                 [](float light) { return natural_log(std::max(light, 1e-5f)); });
+  Counts counts;
+  counts.parallax = ladder.has_parallax;
+  counts.speed_m_s = square_root(dot(camera.velocity_m_s, camera.velocity_m_s));
+  counts.rate_rad_s = square_root(dot(camera.rate_rad_s, camera.rate_rad_s));
+  for (int y = 2; y < height - 2; ++y) {
+    for (int x = 2; x < width - 2; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y * width + x);
+      const double rho = static_cast<double>(view.inverse_depth[i]);
+      std::size_t bin = kDepthBounds_m.size() + 1;  // the sky
+      if (rho > 0) {
+        bin = static_cast<std::size_t>(
+            std::upper_bound(kDepthBounds_m.begin(), kDepthBounds_m.end(), 1.0 / rho) -
+            kDepthBounds_m.begin());
+      }
+      counts.depth[bin] += 1;
+      counts.pixels += 1;
+      counts.textureless += is_blank(log_light, width, x, y);
+      if (rho <= 0) continue;
+      const Vec3& v = world.scene.objects[static_cast<std::size_t>(view.object[i])].velocity_m_s;
+      counts.movers += dot(v, v) > 0;
+      if (!ladder.has_parallax) continue;
+      const double index = rho / ladder.step_per_m;
+      counts.in_parallax += 1;
+      counts.nearer += index > ladder.count - 1;
+      counts.farther += index < 0.5;
+    }
+  }
+  return counts;
+}
+
+}  // namespace
+
+SceneStatistics scene_statistics(Family family, int worlds, int views, std::uint64_t seed, Workers& workers) {
+  SceneStatistics out;
+  double pixels = 0;
+  double in_parallax = 0;
+  for (int w = 0; w < worlds; ++w) {
+    const World world = make_world(family, {.duration_s = kRecording_s, .library = nullptr},
+                                   seed + static_cast<std::uint64_t>(w));
+    const Optics optics(CameraModel{world.grid, Distortion::kNone, {}});
+    const Renderer renderer(world.scene, optics, world.blur);
+    std::vector<Counts> counts(static_cast<std::size_t>(views));
+    workers.for_each(views, [&](int i) {
+      counts[static_cast<std::size_t>(i)] =
+          count(world, renderer, 1.0 + (kRecording_s - 2.0) * i / std::max(1, views - 1));
+    });
+    for (const Counts& c : counts) {
+      ++out.views;
+      for (std::size_t i = 0; i < c.depth.size(); ++i) out.depth_share[i] += c.depth[i];
+      pixels += c.pixels;
+      in_parallax += c.in_parallax;
+      out.textureless_share += c.textureless;
+      out.mover_share += c.movers;
+      out.nearer_share += c.nearer;
+      out.farther_share += c.farther;
+      out.no_parallax_views += !c.parallax;
+      out.mean_speed_m_s += c.speed_m_s;
+      out.top_speed_m_s = std::max(out.top_speed_m_s, c.speed_m_s);
+      out.top_rate_rad_s = std::max(out.top_rate_rad_s, c.rate_rad_s);
+    }
+  }
+  const double all_views = std::max(1.0, static_cast<double>(out.views));
+  for (double& share : out.depth_share) share /= std::max(1.0, pixels);
+  out.textureless_share /= std::max(1.0, pixels);
+  out.mover_share /= std::max(1.0, pixels);
+  out.nearer_share /= std::max(1.0, in_parallax);
+  out.farther_share /= std::max(1.0, in_parallax);
+  out.no_parallax_views /= all_views;
+  out.mean_speed_m_s /= all_views;
+  return out;
+}
+
+}  // namespace egofocus::citysim
