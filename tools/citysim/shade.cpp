@@ -11,12 +11,15 @@ namespace {
 
 constexpr int kPixels = Optics::kTilePixels;
 
-/// Per ray: texture coordinates in texels, level of detail, light that falls on the surface.
-struct Ground {
-  alignas(64) float u[kPixels];
+/// Per ray: where its texture is, and how its value becomes light: light = value * gain + veil.
+struct Looks {
+  alignas(64) float u[kPixels];  ///< texels of the finest level
   alignas(64) float v[kPixels];
-  alignas(64) float level[kPixels];
-  alignas(64) float light[kPixels];
+  alignas(64) float level[kPixels];  ///< of detail
+  alignas(64) float gain[kPixels];   ///< here: light that falls on the surface, until surfaces() is done
+  alignas(64) float veil[kPixels];
+  alignas(64) std::uint32_t base[kPixels];  ///< the texture's first texel
+  alignas(64) float value[kPixels];
 };
 
 struct Beam {
@@ -40,7 +43,7 @@ inline float rough_log2(float x) {
 CITYSIM_CLONES void ground(const ViewPolygon& p, std::int32_t index, const Beam& lamp, int first, int last,
                            const float* __restrict xs, const float* __restrict ys,
                            const float* __restrict depths, const std::int32_t* __restrict polygons,
-                           Ground& out) {
+                           Looks& out) {
   const RayAffine pu = p.u;
   const RayAffine pv = p.v;
   const RayAffine ps = p.steady;
@@ -75,56 +78,76 @@ CITYSIM_CLONES void ground(const ViewPolygon& p, std::int32_t index, const Beam&
     out.u[i] = mine ? wu * z + pu.offset : out.u[i];
     out.v[i] = mine ? wv * z + pv.offset : out.v[i];
     out.level[i] = mine ? level : out.level[i];
-    out.light[i] = mine ? (light > 0 ? light : 0.0f) : out.light[i];
+    out.gain[i] = mine ? (light > 0 ? light : 0.0f) : out.gain[i];
   }
 }
 
-inline float bilinear(const Texture& texture, int level, float u, float v) {
-  const int side = Texture::kSide >> level;
-  const float scale = 1.0f / static_cast<float>(1 << level);
+/// Bilinear in one level. `texels` as in Texture.
+inline float bilinear(const std::uint32_t* __restrict texels, std::uint32_t base, std::int32_t level, float u,
+                      float v) {
+  const std::int32_t side = Texture::kSide >> level;
+  const std::int32_t mask = side - 1;
+  const float scale = std::bit_cast<float>((127 - level) << 23);  // 2^-level
   const float x = u * scale - 0.5f;
   const float y = v * scale - 0.5f;
-  int x0 = static_cast<int>(x);
-  int y0 = static_cast<int>(y);
-  x0 -= x < static_cast<float>(x0);
-  y0 -= y < static_cast<float>(y0);
+  std::int32_t x0 = static_cast<std::int32_t>(x);
+  std::int32_t y0 = static_cast<std::int32_t>(y);
+  x0 -= x < static_cast<float>(x0) ? 1 : 0;
+  y0 -= y < static_cast<float>(y0) ? 1 : 0;
   const float fx = x - static_cast<float>(x0);
   const float fy = y - static_cast<float>(y0);
-  const int mask = side - 1;
-  const std::uint16_t* at = texture.level(level);
-  const std::uint16_t* row0 = at + (y0 & mask) * side;
-  const std::uint16_t* row1 = at + ((y0 + 1) & mask) * side;
-  const int a = x0 & mask;
-  const int b = (x0 + 1) & mask;
-  const float top = static_cast<float>(row0[a]) + fx * static_cast<float>(row0[b] - row0[a]);
-  const float bottom = static_cast<float>(row1[a]) + fx * static_cast<float>(row1[b] - row1[a]);
-  return (top + fy * (bottom - top)) * (1.0f / 65535.0f);
+  const std::int32_t start =
+      static_cast<std::int32_t>(base + Texture::offset(static_cast<std::uint32_t>(level)));
+  const std::uint32_t above = texels[start + (y0 & mask) * side + (x0 & mask)];
+  const std::uint32_t below = texels[start + ((y0 + 1) & mask) * side + (x0 & mask)];
+  const float a = static_cast<float>(static_cast<std::int32_t>(above & 0xffff));
+  const float b = static_cast<float>(static_cast<std::int32_t>(above >> 16));
+  const float c = static_cast<float>(static_cast<std::int32_t>(below & 0xffff));
+  const float d = static_cast<float>(static_cast<std::int32_t>(below >> 16));
+  const float top = a + fx * (b - a);
+  const float bottom = c + fx * (d - c);
+  return top + fy * (bottom - top);
 }
 
-inline float trilinear(const Texture& texture, float level, float u, float v) {
-  level = std::clamp(level, 0.0f, static_cast<float>(Texture::kLevels - 2));
-  const int fine = static_cast<int>(level);
-  const float part = level - static_cast<float>(fine);
-  const float sharp = bilinear(texture, fine, u, v);
-  if (part < 0.02f) return sharp;
-  return sharp + part * (bilinear(texture, fine + 1, u, v) - sharp);
+/// Trilinear texture values of all rays of a tile.
+CITYSIM_CLONES void look_up(const std::uint32_t* __restrict texels, Looks& looks) {
+  for (int i = 0; i < kPixels; ++i) {
+    constexpr float kLast = static_cast<float>(Texture::kLevels - 2);
+    float level = looks.level[i];
+    level = level > 0 ? level : 0.0f;
+    level = level < kLast ? level : kLast;
+    const std::int32_t fine = static_cast<std::int32_t>(level);
+    const float part = level - static_cast<float>(fine);
+    const float sharp = bilinear(texels, looks.base[i], fine, looks.u[i], looks.v[i]);
+    const float soft = bilinear(texels, looks.base[i], fine + 1, looks.u[i], looks.v[i]);
+    looks.value[i] = (sharp + part * (soft - sharp)) * (1.0f / 65535.0f);
+  }
 }
 
-float sky_light(const ShadeMoment& moment, float x, float y) {
+constexpr std::uint32_t base_of(int texture) {
+  return static_cast<std::uint32_t>(texture) * static_cast<std::uint32_t>(Texture::kTexels);
+}
+
+/// The sky along the ray (x, y, 1): brighter or darker upwards, under a flat layer of clouds.
+void look_at_sky(const ShadeMoment& moment, float x, float y, int i, Looks& looks) {
   const Sky& sky = moment.scene->sky;
-  if (sky.indoors) return 0.02f;
+  looks.u[i] = looks.v[i] = looks.level[i] = looks.gain[i] = 0;
+  looks.base[i] = base_of(sky.texture < 0 ? 0 : sky.texture);
+  if (sky.indoors) {
+    looks.veil[i] = 0.02f;
+    return;
+  }
   const Vec3 d = moment.world_from_camera * Vec3{static_cast<double>(x), static_cast<double>(y), 1.0};
   const double length = square_root(dot(d, d));
   const double up = std::max(0.0, d[2] / length);
-  double light = sky.horizon + (sky.zenith - sky.horizon) * up;
-  if (sky.texture >= 0 && up > 0.01) {
-    const double scale = 60.0 / (up + 0.1);  // texels: a flat layer of clouds, finite at the horizon
-    const float cloud =
-        trilinear(moment.scene->library->textures()[static_cast<std::size_t>(sky.texture)], 1.0f,
-                  static_cast<float>(scale * d[0] / length), static_cast<float>(scale * d[1] / length));
-    light *= 1.0 + sky.clouds * (2.0 * static_cast<double>(cloud) - 1.0);
-  }
-  return static_cast<float>(light);
+  const double light = sky.horizon + (sky.zenith - sky.horizon) * up;
+  const double clouds = sky.texture >= 0 ? sky.clouds : 0.0;
+  const double scale = 60.0 / ((up + 0.1) * length);  // texels; finite at the horizon
+  looks.u[i] = static_cast<float>(scale * d[0]);
+  looks.v[i] = static_cast<float>(scale * d[1]);
+  looks.level[i] = 1.0f;
+  looks.gain[i] = static_cast<float>(2.0 * clouds * light);
+  looks.veil[i] = static_cast<float>((1.0 - clouds) * light);
 }
 
 }  // namespace
@@ -132,7 +155,7 @@ float sky_light(const ShadeMoment& moment, float x, float y) {
 void shade(const ShadeMoment& moment, std::span<const ViewPolygon> polygons, const Optics::Tile& tile,
            const TileHits& hits, float* light, Colour* colour) {
   const Scene& scene = *moment.scene;
-  Ground on;
+  Looks looks;
   const Beam lamp{static_cast<float>(scene.headlight), moment.flicker, 1.0f / moment.pixels_per_unit};
   // Each polygon once, over the span of rays that meet it.
   std::int32_t seen[kPixels];
@@ -153,30 +176,32 @@ void shade(const ShadeMoment& moment, std::span<const ViewPolygon> polygons, con
   }
   for (int k = 0; k < count; ++k) {
     ground(polygons[static_cast<std::size_t>(seen[k])], seen[k], lamp, first[k], last[k], tile.x, tile.y,
-           hits.inverse_depth, hits.polygon, on);
+           hits.inverse_depth, hits.polygon, looks);
   }
-  const std::vector<Texture>& textures = scene.library->textures();
   const float haze_m = static_cast<float>(scene.sky.haze_m);
   const float haze_light = static_cast<float>(scene.sky.horizon);
   for (int i = 0; i < kPixels; ++i) {
     if (hits.polygon[i] < 0) {
-      light[i] = sky_light(moment, tile.x[i], tile.y[i]);
-      if (colour != nullptr) colour[i] = {0.8f * light[i], 0.9f * light[i], light[i]};
+      look_at_sky(moment, tile.x[i], tile.y[i], i, looks);
       continue;
     }
     const Polygon& surface = *polygons[static_cast<std::size_t>(hits.polygon[i])].polygon;
-    const float reflectance =
-        trilinear(textures[static_cast<std::size_t>(surface.texture)], on.level[i], on.u[i], on.v[i]);
-    float clear = reflectance * (on.light[i] + surface.emission);
-    float veil = 0;
-    if (haze_m > 0) {
-      const float share = 1.0f / (1.0f + haze_m * hits.inverse_depth[i]);
-      clear *= 1.0f - share;
-      veil = share * haze_light;
-    }
-    const Colour& c = surface.colour;
-    light[i] = (0.30f * c[0] + 0.59f * c[1] + 0.11f * c[2]) * clear + veil;
-    if (colour != nullptr) colour[i] = {c[0] * clear + veil, c[1] * clear + veil, c[2] * clear + veil};
+    const float share = haze_m > 0 ? 1.0f / (1.0f + haze_m * hits.inverse_depth[i]) : 0.0f;
+    looks.base[i] = base_of(surface.texture);
+    looks.gain[i] = (looks.gain[i] + surface.emission) * (1.0f - share);
+    looks.veil[i] = share * haze_light;
+  }
+  look_up(scene.library->texels(), looks);
+  for (int i = 0; i < kPixels; ++i) {
+    const float clear = looks.value[i] * looks.gain[i];
+    static constexpr Colour kSky{0.85f, 1.0f, 1.15f};
+    const bool sky = hits.polygon[i] < 0;
+    const Colour& c = sky ? kSky : polygons[static_cast<std::size_t>(hits.polygon[i])].polygon->colour;
+    const float grey = sky ? 1.0f : 0.30f * c[0] + 0.59f * c[1] + 0.11f * c[2];
+    light[i] = grey * clear + looks.veil[i];
+    if (colour == nullptr) continue;
+    const float white = sky ? 0.0f : looks.veil[i];
+    for (std::size_t k = 0; k < 3; ++k) colour[i][k] = c[k] * (sky ? light[i] : clear) + white;
   }
 }
 

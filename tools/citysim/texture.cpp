@@ -19,11 +19,17 @@ Texture Texture::make(Pattern pattern, double mean, double contrast, Random rand
 }
 
 Texture::Texture(std::span<const float> reflectance) {
-  texels_.reserve(offset(kLevels));
+  texels_.reserve(kTexels);
   std::vector<float> level(reflectance.begin(), reflectance.end());
   for (int l = 0; l < kLevels; ++l) {
-    for (const float value : level) texels_.push_back(static_cast<std::uint16_t>(value * 65535.0f + 0.5f));
     const std::size_t side = static_cast<std::size_t>(kSide >> l);
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      const std::size_t right = i - i % side + (i + 1) % side;
+      const auto code = [&](std::size_t at) {
+        return static_cast<std::uint32_t>(level[at] * 65535.0f + 0.5f);
+      };
+      texels_.push_back(code(i) | code(right) << 16);
+    }
     if (side == 1) break;
     std::vector<float> half(level.size() / 4);
     for (std::size_t y = 0; y < side / 2; ++y) {

@@ -28,28 +28,29 @@ enum class Pattern : std::uint8_t {
   kClouds,
 };
 
-/// Reflectance 0..1 as u16 (65535 is 1), square, periodic. Level l has side >> l texels.
+/// Reflectance 0..1 as u16 (65535 is 1), square, periodic. Level l has side >> l texels; level 0 comes first.
+/// Each entry holds a texel (low half) and its right neighbour (high half), so that a bilinear look-up is two
+/// loads.
 class Texture {
  public:
   static constexpr int kSide = 512;
   static constexpr int kLevels = 10;
+  static constexpr std::size_t kTexels = ((std::size_t{1} << 20) - 1) / 3;  ///< of all levels
 
   /// `contrast` 0..1 scales the deviations from the mean reflectance `mean`.
   static Texture make(Pattern pattern, double mean, double contrast, Random random);
 
-  [[nodiscard]] const std::uint16_t* level(int l) const { return texels_.data() + offset(l); }
+  [[nodiscard]] std::span<const std::uint32_t> texels() const { return texels_; }
 
-  /// Start of level l in one array of all levels.
-  static constexpr std::size_t offset(int l) {
-    std::size_t at = 0;
-    for (int i = 0; i < l; ++i)
-      at += static_cast<std::size_t>(kSide >> i) * static_cast<std::size_t>(kSide >> i);
-    return at;
+  /// Where level l begins: the sum of (side >> i)^2 over i < l, which is (2^20 - 2^(20 - 2 l)) / 3. The exact
+  /// division is a product modulo 2^32.
+  static constexpr std::uint32_t offset(std::uint32_t l) {
+    return ((1u << 20) - (1u << (20 - 2 * l))) * 0xAAAAAAABu;
   }
 
  private:
   explicit Texture(std::span<const float> reflectance);
-  std::vector<std::uint16_t> texels_;
+  std::vector<std::uint32_t> texels_;
 };
 
 /// The bare pattern, kSide^2 values, mean near 0, most within [-1, 1].

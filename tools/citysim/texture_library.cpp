@@ -39,8 +39,9 @@ TextureLibrary::TextureLibrary(std::uint64_t seed) {
       Random random(sim::mix_bits(seed + static_cast<std::uint64_t>(entries_.size())), "texture");
       const double mean = random.log_uniform(stock.low, stock.high * 1.0001);
       const double contrast = random.uniform(stock.weak, stock.strong);
-      entries_.push_back({stock.pattern, static_cast<int>(textures_.size())});
-      textures_.push_back(Texture::make(stock.pattern, mean, contrast, random));
+      entries_.push_back({stock.pattern, static_cast<int>(entries_.size())});
+      const Texture texture = Texture::make(stock.pattern, mean, contrast, random);
+      texels_.insert(texels_.end(), texture.texels().begin(), texture.texels().end());
     }
   }
 }

@@ -14,7 +14,8 @@ class TextureLibrary {
   /// Several textures of each pattern, contrast and brightness varied.
   explicit TextureLibrary(std::uint64_t seed);
 
-  [[nodiscard]] const std::vector<Texture>& textures() const { return textures_; }
+  /// All textures one after the other, Texture::kTexels each: texture t begins at t * kTexels.
+  [[nodiscard]] const std::uint32_t* texels() const { return texels_.data(); }
   /// Any texture of this pattern.
   [[nodiscard]] int pick(Pattern pattern, Random& random) const;
   /// A surface of this pattern: `metres` one period covers, with a colour drawn around grey.
@@ -27,7 +28,7 @@ class TextureLibrary {
     Pattern pattern;
     int texture;
   };
-  std::vector<Texture> textures_;
+  std::vector<std::uint32_t> texels_;
   std::vector<Entry> entries_;
 };
 
