@@ -114,7 +114,7 @@ Scene make_corridor(double length_m, std::shared_ptr<const TextureLibrary> share
             at.point(0.5, half, height), finish.door);
   scene.objects.push_back(mesh.take());
   scene.ways.route.speed_limit_m_s.assign(scene.ways.route.points.size(), random.uniform(0.6, 2.5));
-  scene.flicker_depth = random.uniform(0, 0.5);
+  scene.flicker_depth = random.chance(0.4) ? random.uniform(0.02, 0.2) : 0.0;
   scene.sky.indoors = true;
   scene.sky.sun = 0;
   scene.sky.ambient = random.log_uniform(0.01, 0.3);

@@ -134,7 +134,7 @@ Scene make_room(std::shared_ptr<const TextureLibrary> shared, std::uint64_t seed
          random.log_uniform(0.1, 1.5),
          random.chance(0.5)});
   }
-  scene.flicker_depth = random.uniform(0, 0.4);
+  scene.flicker_depth = random.chance(0.4) ? random.uniform(0.02, 0.2) : 0.0;
   scene.sky.indoors = true;
   scene.sky.sun = 0;
   scene.sky.ambient = random.log_uniform(0.05, 0.6);
@@ -191,7 +191,7 @@ Scene make_desk(std::shared_ptr<const TextureLibrary> shared, std::uint64_t seed
   scene.lamps.push_back({{random.uniform(-0.5, 1.0), random.uniform(-1, 1), random.uniform(1.0, 2.2)},
                          random.log_uniform(0.1, 1.5),
                          random.chance(0.5)});
-  scene.flicker_depth = random.uniform(0, 0.4);
+  scene.flicker_depth = random.chance(0.4) ? random.uniform(0.02, 0.2) : 0.0;
   scene.sky.indoors = true;
   scene.sky.sun = 0;
   scene.sky.ambient = random.log_uniform(0.08, 0.7);

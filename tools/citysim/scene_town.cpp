@@ -306,7 +306,7 @@ Scene make_town(const TownStyle& style, const TownWay& way, std::shared_ptr<cons
     sky.zenith = 0.3 * sky.ambient;
     sky.horizon = sky.ambient;
     sky.clouds = 0.2;
-    scene.flicker_depth = random.uniform(0.1, 0.6);
+    scene.flicker_depth = random.uniform(0.05, 0.35);
     scene.flicker_hz = random.chance(0.7) ? 100 : 120;
     scene.headlight = random.uniform(0.5, 3.0);
   } else {
