@@ -3,32 +3,12 @@
 #include <algorithm>
 #include <bit>
 
-#include "pipeline/hypothesis_ladder.hpp"
+#include "citysim/true_ladder.hpp"
 
 namespace egofocus::citysim {
 namespace {
 
-constexpr std::int64_t kLongestUs = 200000;
 constexpr std::int64_t kWarmUpUs = 40000;  // reference levels and low pass forget how they began
-
-HypothesisLadder ladder_at(const World& world, std::int64_t end_us) {
-  std::vector<CameraMotion> motion;
-  for (int i = 0; i < Sample::kMotions; ++i) {
-    CameraMotion at;
-    at.t_us = end_us - kLongestUs + kLongestUs * i / (Sample::kMotions - 1);
-    const RigidState state = world.camera_at(1e-6 * static_cast<double>(at.t_us));
-    for (std::size_t k = 0; k < 3; ++k) {
-      at.velocity_m_s[k] = state.velocity_m_s[k];
-      at.angular_rate_rad_s[k] = state.rate_rad_s[k];
-    }
-    motion.push_back(at);
-  }
-  MotionTrack track;
-  integrate_track(motion, end_us - kLongestUs, end_us, track);
-  LadderConfig config;
-  config.z_near_m = world.z_near_m;
-  return choose_ladder(config, world.grid, track);
-}
 
 class Bytes {
  public:
@@ -66,7 +46,7 @@ std::vector<Sample> draw_samples(const World& world, std::uint64_t seed, double 
     const int tries = random.chance(0.9) ? 12 : 1;
     for (int i = 0; i < tries; ++i) {
       end_us = static_cast<std::int64_t>(1e6 * random.uniform(0.3, duration_s - 0.05));
-      ladder = ladder_at(world, end_us);
+      ladder = true_ladder(world, end_us);
       if (ladder.has_parallax) break;
     }
     Sample sample;
@@ -76,7 +56,7 @@ std::vector<Sample> draw_samples(const World& world, std::uint64_t seed, double 
     sample.at_us = end_us;
     sample.z_near_m = world.z_near_m;
     sample.camera = world.camera;
-    const std::int64_t begin_us = std::max(ladder.begin_us, end_us - kLongestUs);
+    const std::int64_t begin_us = std::max(ladder.begin_us, end_us - kLongestWindowUs);
     sample.window_us = static_cast<std::int32_t>(end_us - begin_us);
 
     Film film(world, optics, workers, mix_bits(seed + static_cast<std::uint64_t>(n)),
@@ -89,7 +69,8 @@ std::vector<Sample> draw_samples(const World& world, std::uint64_t seed, double 
 
     for (int i = 0; i < Sample::kMotions; ++i) {
       SampleMotion& motion = sample.motion[static_cast<std::size_t>(i)];
-      motion.t_us = static_cast<std::int32_t>(-kLongestUs + kLongestUs * i / (Sample::kMotions - 1));
+      motion.t_us =
+          static_cast<std::int32_t>(-kLongestWindowUs + kLongestWindowUs * i / (Sample::kMotions - 1));
       const RigidState state = world.camera_at(1e-6 * static_cast<double>(end_us + motion.t_us));
       for (std::size_t k = 0; k < 3; ++k) {
         motion.velocity_m_s[k] = static_cast<float>(state.velocity_m_s[k]);

@@ -1,6 +1,5 @@
 #include "citysim/sample_cache.hpp"
 
-#include <atomic>
 #include <cstdio>
 #include <fstream>
 #include <mutex>

@@ -5,13 +5,12 @@
 
 #include "citysim/logarithm.hpp"
 #include "citysim/renderer.hpp"
-#include "pipeline/hypothesis_ladder.hpp"
+#include "citysim/true_ladder.hpp"
 
 namespace egofocus::citysim {
 namespace {
 
 constexpr double kRecording_s = 60;
-constexpr std::int64_t kWindowUs = 200000;  // as the library's longest
 
 /// Counts of one view.
 struct Counts {
@@ -20,26 +19,6 @@ struct Counts {
   bool parallax = false;
   double speed_m_s = 0, rate_rad_s = 0;
 };
-
-HypothesisLadder ladder_at(const World& world, double t_s) {
-  std::vector<CameraMotion> motion;
-  const std::int64_t end_us = static_cast<std::int64_t>(1e6 * t_s);
-  for (int i = 0; i <= 20; ++i) {
-    CameraMotion at;
-    at.t_us = end_us - kWindowUs + kWindowUs * i / 20;
-    const RigidState state = world.camera_at(1e-6 * static_cast<double>(at.t_us));
-    for (std::size_t k = 0; k < 3; ++k) {
-      at.velocity_m_s[k] = state.velocity_m_s[k];
-      at.angular_rate_rad_s[k] = state.rate_rad_s[k];
-    }
-    motion.push_back(at);
-  }
-  MotionTrack track;
-  integrate_track(motion, end_us - kWindowUs, end_us, track);
-  LadderConfig config;
-  config.z_near_m = world.z_near_m;
-  return choose_ladder(config, world.grid, track);
-}
 
 bool is_blank(const std::vector<float>& log_light, int width, int x, int y) {
   float low = 1e9f;
@@ -59,7 +38,7 @@ Counts count(const World& world, const Renderer& renderer, double t_s) {
   View view;
   const RigidState camera = world.camera_at(t_s);
   renderer.render(camera.pose, t_s, scratch, view);
-  const HypothesisLadder ladder = ladder_at(world, t_s);
+  const HypothesisLadder ladder = true_ladder(world, static_cast<std::int64_t>(1e6 * t_s));
   const int width = world.grid.width_px;
   const int height = world.grid.height_px;
   std::vector<float> log_light(view.light.size());

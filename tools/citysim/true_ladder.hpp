@@ -1,0 +1,16 @@
+// The parallax ladder that the library would choose if it knew the motion exactly.
+#pragma once
+
+#include <cstdint>
+
+#include "citysim/world.hpp"
+#include "pipeline/hypothesis_ladder.hpp"
+
+namespace egofocus::citysim {
+
+inline constexpr std::int64_t kLongestWindowUs = 200000;  ///< as the library's
+
+/// Of a window that ends at `end_us`, with the defaults of LadderConfig but for the world's z_near.
+[[nodiscard]] HypothesisLadder true_ladder(const World& world, std::int64_t end_us);
+
+}  // namespace egofocus::citysim
