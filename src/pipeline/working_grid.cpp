@@ -63,8 +63,11 @@ bool undistort(const CameraModel& camera, double x, double y, double& x_out, dou
       const double r2 = u * u + v * v;
       const double scale = radial(k, r2);
       if (!(scale > 0.05)) return false;
+      const double last_u = u;
+      const double last_v = v;
       u = (x - 2.0 * k[2] * u * v - k[3] * (r2 + 2.0 * u * u)) / scale;
       v = (y - k[2] * (r2 + 2.0 * v * v) - 2.0 * k[3] * u * v) / scale;
+      if (u == last_u && v == last_v) break;  // no further step changes anything
     }
   } else if (camera.distortion == Distortion::kEquidistant) {
     const double target = square_root(x * x + y * y);
@@ -73,7 +76,9 @@ bool undistort(const CameraModel& camera, double x, double y, double& x_out, dou
       const double h = 1e-6;
       const double slope = (equidistant_angle(k, theta + h) - equidistant_angle(k, theta - h)) / (2.0 * h);
       if (!(slope > 0.01)) return false;
-      theta -= (equidistant_angle(k, theta) - target) / slope;
+      const double step = (equidistant_angle(k, theta) - target) / slope;
+      theta -= step;
+      if (step == 0) break;
     }
     // A ray at or beyond 90 degrees has no place on a pinhole grid.
     if (!(theta >= 0 && theta < 0.98 * kHalfPi)) return false;

@@ -9,7 +9,6 @@
 namespace egofocus::citysim {
 namespace {
 
-constexpr int kBandRows = 8;
 // 12 days. With latency and wait, a stamp stays below 2^41.
 constexpr std::int64_t kLongest_us = std::int64_t{1} << 40;
 
@@ -32,8 +31,11 @@ const DvsCounters& Dvs::counters() const {
 void Dvs::show(std::span<const LightView> views, Workers& workers, std::vector<Event>& events) {
   State& s = *state_;
   const std::size_t pixels = s.upper.size();
+  const int bands = (s.height_px + kBandRows - 1) / kBandRows;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (views[i].light.size() != pixels) throw std::invalid_argument("Dvs: a view of the wrong size.");
+    if (!views[i].bands.empty() && views[i].bands.size() != static_cast<std::size_t>(bands))
+      throw std::invalid_argument("Dvs: a view with the wrong number of bands.");
     if (i == 0 && !s.has_view) continue;
     const std::int64_t before_us = i > 0 ? views[i - 1].t_us : s.now_us;
     const std::int64_t start_us = s.has_view ? s.start_us : views[0].t_us;
@@ -48,12 +50,13 @@ void Dvs::show(std::span<const LightView> views, Workers& workers, std::vector<E
   }
   if (views.empty()) return;
 
-  const int bands = (s.height_px + kBandRows - 1) / kBandRows;
   s.bands.resize(static_cast<std::size_t>(bands));
   workers.for_each(bands, [&](int i) {
     State::Band& band = s.bands[static_cast<std::size_t>(i)];
     std::int64_t from_us = s.now_us - s.start_us;
     for (const LightView& view : views) {
+      const bool looks = view.bands.empty() || view.bands[static_cast<std::size_t>(i)] != 0;
+      if (!looks && &view != &views.back()) continue;
       for (int y = i * kBandRows; y < std::min((i + 1) * kBandRows, s.height_px); ++y)
         s.show_row(y, from_us, view, band);
       from_us = view.t_us - s.start_us;
@@ -70,6 +73,17 @@ void Dvs::show(std::span<const LightView> views, Workers& workers, std::vector<E
   }
   std::sort(s.pending.begin(), s.pending.end());
   s.release(s.now_us - s.start_us, events);
+}
+
+void Dvs::begin_take() {
+  State& s = *state_;
+  s.has_view = false;
+  s.settled = true;
+  s.pending.clear();
+  s.served.clear();
+  s.readout = DvsReadout(s.parameters.readout_events_per_s, s.parameters.readout_queue_events);
+  std::fill(s.blocked_until_us.begin(), s.blocked_until_us.end(), std::numeric_limits<double>::lowest());
+  std::fill(s.last_stamp_us.begin(), s.last_stamp_us.end(), 0);
 }
 
 void Dvs::finish(std::vector<Event>& events) {

@@ -76,10 +76,15 @@ struct DvsCounters {
 struct LightView {
   std::int64_t t_us = 0;
   std::span<const float> light;
+  /// Of each Dvs::kBandRows rows: do they look? To the others this view is one that light goes through on its
+  /// straight way. All look when empty, and at the last view of a call.
+  std::span<const std::uint8_t> bands{};
 };
 
 class Dvs {
  public:
+  static constexpr int kBandRows = 8;
+
   /// At most 2^21 pixels. Throws std::invalid_argument when the size or a parameter is out of range.
   Dvs(int width_px, int height_px, const DvsParameters& parameters, std::uint64_t seed);
   ~Dvs();
@@ -92,6 +97,9 @@ class Dvs {
   /// are cut into calls. Throws std::invalid_argument, before anything is done, on times that do not rise or
   /// a view of the wrong size.
   void show(std::span<const LightView> views, Workers& workers, std::vector<Event>& events);
+  /// The next view is a first one again, at any time, of the same pixels. As if they had been watching for
+  /// long before: each stands somewhere between its thresholds. What waits is lost.
+  void begin_take();
   /// What still waits, at the end.
   void finish(std::vector<Event>& events);
 

@@ -24,7 +24,7 @@ DvsNoise::DvsNoise(int width_px, int height_px, const DvsParameters& p, std::uin
     double sum = 0;
     for (std::size_t i = 0; i < pixels; ++i) {
       const double s = p.noise_spread;
-      sum = (i % width_px_ == 0 ? 0 : sum) + exponential(s * random.normal() - 0.5 * s * s);  // mean 1
+      sum = (i % width_px_ == 0 ? 0 : sum) + exponential(s * random.coarse_normal() - 0.5 * s * s);  // mean 1
       factor_sum_.push_back(sum);
     }
   }

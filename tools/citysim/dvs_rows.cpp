@@ -14,7 +14,7 @@ constexpr double kTwoPi = 6.28318530717958647693;
 constexpr std::size_t kScan = 8;  // marks looked at together
 
 Level random_threshold(double nominal, double spread, sim::Random& random) {
-  const double factor = std::clamp(1.0 + spread * random.normal(), 0.2, 5.0);
+  const double factor = std::clamp(1.0 + spread * random.coarse_normal(), 0.2, 5.0);
   return static_cast<Level>(nominal * factor * static_cast<double>(kLevelOne));
 }
 
@@ -36,7 +36,8 @@ Dvs::State::State(int width, int height, const DvsParameters& p, std::uint64_t s
       fingerprint(hash_of(width, height, p, seed)),
       filtered(p.bandwidth_hz > 0),
       noise(width, height, p, seed),
-      readout(p.readout_events_per_s, p.readout_queue_events) {
+      readout(p.readout_events_per_s, p.readout_queue_events),
+      phases(seed, "phase of a pixel") {
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   log.resize(pixels);
   if (filtered) level.resize(pixels);
@@ -58,8 +59,13 @@ void Dvs::State::begin(const LightView& view) {
              log.data());
   if (filtered) level = log;
   for (std::size_t i = 0; i < log.size(); ++i) {
-    upper[i] = log[i] + on[i];
-    lower[i] = log[i] - off[i];
+    Level last = log[i];  // where the pixel's last event was
+    if (settled) {
+      const auto range = static_cast<double>(on[i]) + static_cast<double>(off[i]);
+      last += static_cast<Level>(range * phases.uniform() - static_cast<double>(on[i]));
+    }
+    upper[i] = last + on[i];
+    lower[i] = last - off[i];
   }
   noise.start(0);
   start_us = now_us = view.t_us;
@@ -147,7 +153,7 @@ void Dvs::State::send(int y, Band& band) {
     ++(raised.noise ? band.counters.noise_events : band.counters.signal_events);
     double late_us = raised.noise ? 0 : parameters.latency_us;
     if (!raised.noise && parameters.latency_jitter_us > 0)
-      late_us = std::max(0.0, late_us + parameters.latency_jitter_us * random.normal());
+      late_us = std::max(0.0, late_us + parameters.latency_jitter_us * random.coarse_normal());
     // Jitter must not turn a pixel's events around.
     const std::int64_t stamp_us =
         std::max(static_cast<std::int64_t>(raised.t_us + late_us), last_stamp_us[i]);

@@ -59,6 +59,8 @@ struct Dvs::State {
   std::vector<EventKey> served;   ///< read out, sorted; an equal stamp may still come
   DvsCounters counters;
   bool has_view = false;
+  bool settled = false;  ///< the first view meets pixels that have been watching
+  sim::Random phases;    ///< where those stand
   std::int64_t start_us = 0;
   std::int64_t now_us = 0;
 

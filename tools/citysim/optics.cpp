@@ -12,8 +12,8 @@ Optics::Optics(const CameraModel& camera)
     : camera_(camera),
       tiles_across_((camera.intrinsics.width_px + kTileWidth - 1) / kTileWidth),
       tiles_down_((camera.intrinsics.height_px + kTileHeight - 1) / kTileHeight) {
-  columns_.resize(static_cast<std::size_t>(tiles_across_), {1e9f, -1e9f});
-  rows_.resize(static_cast<std::size_t>(tiles_down_), {1e9f, -1e9f});
+  std::vector<Span::Bounds> columns(static_cast<std::size_t>(tiles_across_), {1e9f, -1e9f});
+  std::vector<Span::Bounds> rows(static_cast<std::size_t>(tiles_down_), {1e9f, -1e9f});
   tiles_.resize(static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>(tiles_down_));
   for (int row = 0; row < tiles_down_; ++row) {
     for (int column = 0; column < tiles_across_; ++column) {
@@ -24,6 +24,8 @@ Optics::Optics(const CameraModel& camera)
         const Ray direction = ray(u, v);
         tile.x[i] = static_cast<float>(direction.x);
         tile.y[i] = static_cast<float>(direction.y);
+        tile.per_length[i] = static_cast<float>(
+            1.0 / square_root(1.0 + direction.x * direction.x + direction.y * direction.y));
         reach_.x = std::max(reach_.x, absolute(direction.x));
         reach_.y = std::max(reach_.y, absolute(direction.y));
       }
@@ -33,27 +35,43 @@ Optics::Optics(const CameraModel& camera)
       tile.high_x = *high_x;
       tile.low_y = *low_y;
       tile.high_y = *high_y;
-      Bounds& x = columns_[static_cast<std::size_t>(column)];
+      Span::Bounds& x = columns[static_cast<std::size_t>(column)];
       x = {std::min(x.low, tile.low_x), std::max(x.high, tile.high_x)};
-      Bounds& y = rows_[static_cast<std::size_t>(row)];
+      Span::Bounds& y = rows[static_cast<std::size_t>(row)];
       y = {std::min(y.low, tile.low_y), std::max(y.high, tile.high_y)};
+    }
+  }
+  columns_ = Span(columns);
+  rows_ = Span(rows);
+}
+
+Optics::Span::Span(const std::vector<Bounds>& bounds) {
+  float high = -1e9f;
+  low_ = 1e9f;
+  for (const Bounds& of : bounds) {
+    low_ = std::min(low_, of.low);
+    high = std::max(high, of.high);
+  }
+  cells_per_unit_ = static_cast<float>(kCells - 1) / (high - low_);
+  const int count = static_cast<int>(bounds.size());
+  first_.assign(kCells + 1, count);
+  last_.assign(kCells + 1, -1);
+  // Cell 0 lies below all, the last above all; a value may have been rounded into the next one.
+  const float width = (high - low_) / static_cast<float>(kCells - 1);
+  for (int cell = 0; cell <= kCells; ++cell) {
+    const float from = cell == 0 ? -1e9f : low_ + width * (static_cast<float>(cell) - 1.01f);
+    const float to = cell == kCells ? 1e9f : low_ + width * (static_cast<float>(cell) + 0.01f);
+    for (int i = 0; i < count; ++i) {
+      const Bounds& of = bounds[static_cast<std::size_t>(i)];
+      int& first = first_[static_cast<std::size_t>(cell)];
+      if (of.high >= from) first = std::min(first, i);
+      if (of.low <= to) last_[static_cast<std::size_t>(cell)] = i;
     }
   }
 }
 
 Optics::TileRange Optics::tiles_in(float low_x, float high_x, float low_y, float high_y) const {
-  TileRange range{0, tiles_across_ - 1, 0, tiles_down_ - 1};
-  while (range.first_column < tiles_across_ &&
-         columns_[static_cast<std::size_t>(range.first_column)].high < low_x) {
-    ++range.first_column;
-  }
-  while (range.last_column >= 0 && columns_[static_cast<std::size_t>(range.last_column)].low > high_x)
-    --range.last_column;
-  while (range.first_row < tiles_down_ && rows_[static_cast<std::size_t>(range.first_row)].high < low_y)
-    ++range.first_row;
-  while (range.last_row >= 0 && rows_[static_cast<std::size_t>(range.last_row)].low > high_y)
-    --range.last_row;
-  return range;
+  return {columns_.first(low_x), columns_.last(high_x), rows_.first(low_y), rows_.last(high_y)};
 }
 
 Optics::Ray Optics::ray(double u, double v) const {

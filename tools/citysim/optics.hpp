@@ -18,6 +18,7 @@ class Optics {
   struct Tile {
     alignas(64) float x[kTilePixels];
     alignas(64) float y[kTilePixels];
+    alignas(64) float per_length[kTilePixels];  ///< 1 / |(x, y, 1)|
     float low_x, high_x, low_y, high_y;
   };
 
@@ -51,11 +52,32 @@ class Optics {
   int tiles_across_;
   int tiles_down_;
   std::vector<Tile> tiles_;
-  struct Bounds {
-    float low, high;
+  /// Which columns (or rows) of tiles hold rays with a value between two: looked up in cells.
+  class Span {
+   public:
+    struct Bounds {
+      float low, high;
+    };
+    Span() = default;
+    explicit Span(const std::vector<Bounds>& bounds);
+    /// The first that reaches `value` or more; the number of them when none does.
+    [[nodiscard]] int first(float value) const { return first_[cell(value)]; }
+    /// The last that begins at `value` or less; -1 when none does.
+    [[nodiscard]] int last(float value) const { return last_[cell(value)]; }
+
+   private:
+    static constexpr int kCells = 512;
+    [[nodiscard]] std::size_t cell(float value) const {
+      const float at = (value - low_) * cells_per_unit_;
+      return at > 0 ? (at < kCells - 1 ? static_cast<std::size_t>(at) + 1 : kCells) : 0;
+    }
+    float low_ = 0;
+    float cells_per_unit_ = 0;
+    std::vector<int> first_;
+    std::vector<int> last_;
   };
-  std::vector<Bounds> columns_;  // of x in each column of tiles
-  std::vector<Bounds> rows_;     // of y in each row of tiles
+  Span columns_;  // by x
+  Span rows_;     // by y
   Ray reach_{0, 0};
 };
 

@@ -89,7 +89,7 @@ class GridCamera {
 
   void write(const fs::path& folder, std::int64_t t_us, bool pictures) {
     const double t = 1e-6 * static_cast<double>(t_us);
-    renderer_.render(world_.camera_at(t).pose, t, scratch_, view_, pictures);
+    renderer_.render(world_.camera_at(t).pose, t, scratch_, view_, {.colour = pictures});
     const std::int32_t width = optics_.width();
     const std::int32_t height = optics_.height();
     recording::Grey16Picture depth(width, height);

@@ -1,6 +1,8 @@
 #include "citysim/renderer.hpp"
 
 #include <algorithm>
+#include <cstring>
+#include <limits>
 
 #include "citysim/clones.hpp"
 #include "citysim/raster.hpp"
@@ -25,6 +27,16 @@ CITYSIM_CLONES void blur_column(const float* __restrict above, const float* __re
   for (int x = 0; x < width; ++x) out[x] = in[x] + blur * ((above[x] - in[x]) + (below[x] - in[x]));
 }
 
+/// Of a tile; nearly always a whole one, which is one or two machine words.
+template <typename Value>
+void copy_row(const Value* from, int columns, Value* to) {
+  if (columns == kTileWidth) {
+    std::memcpy(to, from, kTileWidth * sizeof(Value));
+  } else {
+    std::copy_n(from, columns, to);
+  }
+}
+
 void blur_picture(std::vector<float>& light, std::vector<float>& spare, int width, int height, float blur) {
   spare.resize(light.size());
   const auto row = [width](std::vector<float>& of, int y) {
@@ -41,7 +53,7 @@ void blur_picture(std::vector<float>& light, std::vector<float>& spare, int widt
 
 struct RenderScratch::Buffers {
   std::vector<ObjectInSight> objects;
-  std::vector<ViewPolygon> polygons;
+  std::vector<LitPolygon> polygons;
   std::vector<TileHits> hits;
   std::vector<float> spare;
 };
@@ -51,50 +63,84 @@ RenderScratch::~RenderScratch() = default;
 RenderScratch::RenderScratch(RenderScratch&&) noexcept = default;
 
 Renderer::Renderer(const Scene& scene, const Optics& optics, double blur)
-    : scene_(scene), optics_(optics), blur_(static_cast<float>(blur)) {}
+    : scene_(scene), optics_(optics), blur_(static_cast<float>(blur)) {
+  const float strength = static_cast<float>(scene.headlight);
+  for (int row = 0; row < optics.tiles_down(); ++row) {
+    for (int column = 0; column < optics.tiles_across(); ++column) {
+      const Optics::Tile& tile = optics.tile(column, row);
+      for (int i = 0; i < Optics::kTilePixels; ++i)
+        headlight_.push_back(strength * headlight_along(tile.x[i], tile.y[i]));
+    }
+  }
+}
 
-void Renderer::render(const Pose& camera, double t_s, RenderScratch& scratch, View& view, bool colour) const {
+void Renderer::blur(std::vector<float>& light, std::vector<float>& spare) const {
+  if (blur_ > 0) blur_picture(light, spare, optics_.width(), optics_.height(), blur_);
+}
+
+void Renderer::find_hits(const Pose& camera, double t_s, std::span<const std::uint8_t> wanted,
+                         RenderScratch& scratch) const {
   RenderScratch::Buffers& work = *scratch.buffers_;
-  std::vector<ViewPolygon>& polygons = work.polygons;
   std::vector<TileHits>& hits = work.hits;
   const int across = optics_.tiles_across();
-  const int down = optics_.tiles_down();
-  hits.resize(static_cast<std::size_t>(across * down));
-  for (TileHits& tile : hits) tile.clear();
-  const auto for_tiles = [&](const Optics::TileRange& range, auto&& body) {
+  hits.resize(static_cast<std::size_t>(across * optics_.tiles_down()));
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (wanted.empty() || wanted[i]) {
+      hits[i].clear();
+    } else {
+      hits[i].farthest = std::numeric_limits<float>::max();  // nothing can be nearer
+    }
+  }
+  // Near things hide far ones: most of a town is behind its first row of houses.
+  const auto hidden = [&](const Optics::TileRange& range, float largest_inverse_depth) {
     for (int row = range.first_row; row <= range.last_row; ++row) {
       for (int column = range.first_column; column <= range.last_column; ++column) {
-        body(hits[static_cast<std::size_t>(row * across + column)], optics_.tile(column, row));
+        if (largest_inverse_depth > hits[static_cast<std::size_t>(row * across + column)].farthest)
+          return false;
       }
     }
+    return true;
   };
 
   work.objects.clear();
   objects_in_sight(scene_, camera, t_s, optics_, work.objects);
-  polygons.clear();
-  for (const ObjectInSight& object : work.objects) {
-    // Near things hide far ones: most of a town is behind its first row of houses.
-    bool hidden = true;
-    for_tiles(object.tiles, [&](const TileHits& tile, const Optics::Tile&) {
-      hidden = hidden && object.largest_inverse_depth <= tile.farthest;
-    });
-    if (hidden) continue;
-    const std::size_t first = polygons.size();
-    view_polygons(scene_, object, optics_, polygons);
-    for (std::size_t k = first; k < polygons.size(); ++k) {
-      const ViewPolygon& polygon = polygons[k];
-      for_tiles(optics_.tiles_in(polygon.low_x, polygon.high_x, polygon.low_y, polygon.high_y),
-                [&](TileHits& tile, const Optics::Tile& rays) {
-                  if (polygon.largest_inverse_depth <= tile.farthest) return;
-                  raster(polygon, static_cast<std::int32_t>(k), rays, tile);
-                });
+  work.polygons.clear();
+  Outline shape;
+  for (std::size_t seen = 0; seen < work.objects.size(); ++seen) {
+    const ObjectInSight& object = work.objects[seen];
+    if (hidden(object.tiles, object.largest_inverse_depth)) continue;
+    for (const Polygon& polygon : scene_.objects[static_cast<std::size_t>(object.object)].polygons) {
+      if (!outline(polygon, object.to_camera, optics_, shape)) continue;
+      if (hidden(shape.tiles, shape.largest_inverse_depth)) continue;
+      const std::int32_t index = static_cast<std::int32_t>(work.polygons.size());
+      LitPolygon& lit = work.polygons.emplace_back();
+      lit.shape = view_polygon(polygon, shape);
+      lit.shape.in_sight = static_cast<std::int32_t>(seen);
+      lit.shape.object = object.object;
+      for (int row = shape.tiles.first_row; row <= shape.tiles.last_row; ++row) {
+        for (int column = shape.tiles.first_column; column <= shape.tiles.last_column; ++column) {
+          TileHits& tile = hits[static_cast<std::size_t>(row * across + column)];
+          if (shape.largest_inverse_depth <= tile.farthest) continue;
+          raster(lit.shape, index, optics_.tile(column, row), tile);
+        }
+      }
     }
   }
+}
 
+void Renderer::render(const Pose& camera, double t_s, RenderScratch& scratch, View& view,
+                      const RenderOptions& options) const {
+  find_hits(camera, t_s, options.tiles, scratch);
+  const bool colour = options.colour;
+  RenderScratch::Buffers& work = *scratch.buffers_;
+  const int across = optics_.tiles_across();
+  const int down = optics_.tiles_down();
   const int width = optics_.width();
   const int height = optics_.height();
   const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const bool flickers = scene_.flicker_depth > 0;
   view.light.resize(size);
+  view.mains.resize(flickers ? size : 0);
   view.inverse_depth.resize(size);
   view.object.resize(size);
   view.colour.resize(colour ? size : 0);
@@ -103,30 +149,33 @@ void Renderer::render(const Pose& camera, double t_s, RenderScratch& scratch, Vi
   moment.world_from_camera = camera.rotation;
   moment.flicker = static_cast<float>(scene_.flicker_at(t_s));
   moment.pixels_per_unit = static_cast<float>(optics_.camera().intrinsics.fx_px);
+  TileLooks looks;
+  Colour colours[Optics::kTilePixels];
   for (int row = 0; row < down; ++row) {
     for (int column = 0; column < across; ++column) {
-      const TileHits& tile = hits[static_cast<std::size_t>(row * across + column)];
-      float light[Optics::kTilePixels];
-      Colour colours[Optics::kTilePixels];
-      shade(moment, polygons, optics_.tile(column, row), tile, light, colour ? colours : nullptr);
+      const std::size_t number = static_cast<std::size_t>(row * across + column);
+      if (!options.tiles.empty() && !options.tiles[number]) continue;
+      const TileHits& tile = work.hits[number];
+      shade(moment, work.objects, work.polygons, optics_.tile(column, row),
+            &headlight_[number * static_cast<std::size_t>(Optics::kTilePixels)], tile, looks,
+            colour ? colours : nullptr);
       const int columns = std::min(kTileWidth, width - column * kTileWidth);
       const int rows = std::min(kTileHeight, height - row * kTileHeight);
       for (int y = 0; y < rows; ++y) {
         const std::size_t to =
             static_cast<std::size_t>((row * kTileHeight + y) * width + column * kTileWidth);
-        for (int x = 0; x < columns; ++x) {
-          const int from = y * kTileWidth + x;
-          const std::size_t at = to + static_cast<std::size_t>(x);
-          const std::int32_t polygon = tile.polygon[from];
-          view.light[at] = light[from];
-          view.inverse_depth[at] = tile.inverse_depth[from];
-          view.object[at] = polygon < 0 ? -1 : polygons[static_cast<std::size_t>(polygon)].object;
-          if (colour) view.colour[at] = colours[from];
-        }
+        const int from = y * kTileWidth;
+        copy_row(looks.light + from, columns, &view.light[to]);
+        if (flickers) copy_row(looks.mains + from, columns, &view.mains[to]);
+        copy_row(tile.inverse_depth + from, columns, &view.inverse_depth[to]);
+        copy_row(looks.object + from, columns, &view.object[to]);
+        if (colour) std::copy_n(colours + from, columns, &view.colour[to]);
       }
     }
   }
-  if (blur_ > 0) blur_picture(view.light, work.spare, width, height, blur_);
+  if (!options.blur) return;
+  blur(view.light, work.spare);
+  if (flickers) blur(view.mains, work.spare);
 }
 
 }  // namespace egofocus::citysim

@@ -8,7 +8,7 @@
 namespace egofocus::citysim {
 namespace {
 
-constexpr std::int64_t kWarmUpUs = 40000;  // reference levels and low pass forget how they began
+constexpr std::int64_t kWarmUpUs = 10000;  // the low pass forgets how it began
 
 class Bytes {
  public:
@@ -38,6 +38,7 @@ std::vector<Sample> draw_samples(const World& world, std::uint64_t seed, double 
   const Renderer truth(world.scene, grid, 0);
   RenderScratch scratch;
   View view;
+  Film film(world, optics, workers, mix_bits(seed));
   Random random(seed, "samples");
   std::vector<Sample> out;
   for (int n = 0; n < count; ++n) {
@@ -59,8 +60,7 @@ std::vector<Sample> draw_samples(const World& world, std::uint64_t seed, double 
     const std::int64_t begin_us = std::max(ladder.begin_us, end_us - kLongestWindowUs);
     sample.window_us = static_cast<std::int32_t>(end_us - begin_us);
 
-    Film film(world, optics, workers, mix_bits(seed + static_cast<std::uint64_t>(n)),
-              std::max<std::int64_t>(0, begin_us - kWarmUpUs));
+    film.cut_to(std::max<std::int64_t>(0, begin_us - kWarmUpUs));
     film.run_to(end_us, sample.events);
     film.finish(sample.events);
     std::erase_if(sample.events,

@@ -17,6 +17,7 @@ using recording::ExitCode;
 
 constexpr char kMagic[8] = {'E', 'G', 'S', 'H', 'A', 'R', 'D', '1'};
 constexpr double kWorld_s = 12;
+constexpr int kLibraryShards = 8;  // that share a stock of surfaces: making one takes as long as ten samples
 
 std::string arguments_text(const SampleOptions& options) {
   std::string text = "citysim samples\nseed " + std::to_string(options.seed) + "\nsize " +
@@ -26,12 +27,39 @@ std::string arguments_text(const SampleOptions& options) {
   return text + "\n";
 }
 
+std::uint64_t number_seed(const SampleOptions& options, int number) {
+  return mix_bits(mix_bits(options.seed) + static_cast<std::uint64_t>(number));
+}
+
+/// The stock of surfaces that neighbouring shards share. Those that wait for one need it, too, so one lock
+/// does.
+class Libraries {
+ public:
+  explicit Libraries(const SampleOptions& options) : options_(options) {}
+
+  std::shared_ptr<const TextureLibrary> of_shard(int shard) {
+    const int number = shard / kLibraryShards;
+    const std::lock_guard lock(mutex_);
+    if (!library_ || number != number_) {
+      number_ = number;
+      library_ = std::make_shared<const TextureLibrary>(mix_bits(number_seed(options_, number) ^ 0x7e87));
+    }
+    return library_;
+  }
+
+ private:
+  const SampleOptions& options_;
+  std::mutex mutex_;
+  int number_ = -1;
+  std::shared_ptr<const TextureLibrary> library_;
+};
+
 /// One thread makes a shard alone, so its bytes depend on nothing but its number and the arguments.
-std::vector<std::byte> make_shard(const SampleOptions& options, int shard) {
+std::vector<std::byte> make_shard(const SampleOptions& options, int shard,
+                                  const std::shared_ptr<const TextureLibrary>& library) {
   std::vector<std::byte> bytes;
   for (const char letter : kMagic) bytes.push_back(static_cast<std::byte>(letter));
-  const std::uint64_t seed = mix_bits(mix_bits(options.seed) + static_cast<std::uint64_t>(shard));
-  const auto library = std::make_shared<const TextureLibrary>(seed);
+  const std::uint64_t seed = number_seed(options, shard);
   Workers alone(1);
   for (int w = 0; w < kShardSamples / kWorldSamples; ++w) {
     const std::uint64_t world_seed = mix_bits(seed ^ (static_cast<std::uint64_t>(w) + 1));
@@ -88,10 +116,11 @@ int fill_sample_cache(const SampleOptions& options, const fs::path& folder) {
   }
   std::mutex mutex;
   int done = shards - static_cast<int>(missing.size());
+  Libraries libraries(options);
   Workers workers(options.threads);
   workers.for_each(static_cast<int>(missing.size()), [&](int i) {
     const int shard = missing[static_cast<std::size_t>(i)];
-    write_whole(shard_path(folder, shard), make_shard(options, shard));
+    write_whole(shard_path(folder, shard), make_shard(options, shard, libraries.of_shard(shard)));
     const std::lock_guard lock(mutex);
     ++done;
     if (options.progress) options.progress(done, shards);

@@ -15,41 +15,48 @@ constexpr int kPixels = Optics::kTilePixels;
 struct Looks {
   alignas(64) float u[kPixels];  ///< texels of the finest level
   alignas(64) float v[kPixels];
-  alignas(64) float level[kPixels];  ///< of detail
-  alignas(64) float gain[kPixels];   ///< here: light that falls on the surface, until surfaces() is done
-  alignas(64) float veil[kPixels];
+  alignas(64) float level[kPixels];         ///< of detail
   alignas(64) std::uint32_t base[kPixels];  ///< the texture's first texel
+  alignas(64) float gain[kPixels];
+  alignas(64) float mains[kPixels];  ///< what flickers of the gain, at its mean
+  alignas(64) float veil[kPixels];
   alignas(64) float value[kPixels];
 };
 
-struct Beam {
-  float headlight;
+struct Moment {
   float flicker;
   float pixel;  ///< angle of a pixel
+  float haze_m;
+  float haze_light;
 };
 
-/// Light of the robot's own lamps: a soft cone around the optical axis, a little below it.
-inline float beam(float x, float y) {
-  const float a = x * (1.0f / 0.55f);
-  const float b = (y - 0.12f) * (1.0f / 0.3f);
-  return 1.0f / (1.0f + a * a * a * a + b * b * b * b);
-}
+/// Of one polygon.
+struct Paint {
+  std::uint32_t base;
+  float grey;
+  float emission;
+  std::int32_t object;
+};
 
 /// log2, linear between powers of two: continuous, which is all that a texture level needs.
 inline float rough_log2(float x) {
   return static_cast<float>(std::bit_cast<std::int32_t>(x)) * (1.0f / 8388608.0f) - 127.0f;
 }
 
-CITYSIM_CLONES void ground(const ViewPolygon& p, std::int32_t index, const Beam& lamp, int first, int last,
-                           const float* __restrict xs, const float* __restrict ys,
-                           const float* __restrict depths, const std::int32_t* __restrict polygons,
-                           Looks& out) {
-  const RayAffine pu = p.u;
-  const RayAffine pv = p.v;
-  const RayAffine ps = p.steady;
-  const RayAffine pf = p.flickering;
-  const RayPlane pd = p.inverse_depth;
-  const float facing = p.facing;
+CITYSIM_CLONES void surface(const LitPolygon& p, const Paint& paint, std::int32_t index, const Moment& moment,
+                            int first, int last, const float* __restrict xs, const float* __restrict ys,
+                            const float* __restrict headlight, const float* __restrict depths,
+                            const std::int32_t* __restrict polygons, Looks& __restrict out,
+                            std::int32_t* __restrict objects) {
+  const RayAffine pu = p.surface.u;
+  const RayAffine pv = p.surface.v;
+  const RayAffine ps = p.surface.steady;
+  const RayAffine pf = p.surface.flickering;
+  const RayPlane pd = p.shape.inverse_depth;
+  const float facing = p.shape.facing;
+  const Paint of = paint;
+  const Moment at = moment;
+  const float hazy = at.haze_m > 0 ? 1.0f : 0.0f;
   for (int i = first; i < last; ++i) {
     const float x = xs[i];
     const float y = ys[i];
@@ -68,22 +75,62 @@ CITYSIM_CLONES void ground(const ViewPolygon& p, std::int32_t index, const Beam&
     const float area = ux * vy - uy * vx;
     const float longest = along > down ? along : down;
     const float square = (area < 0 ? -area : area) + 0.25f * longest;
-    const float level = 0.5f * rough_log2(square * (lamp.pixel * lamp.pixel) + 1e-12f);
-    float light = (ps.x * x + ps.y * y + ps.one) * z + ps.offset;
-    light += lamp.flicker * ((pf.x * x + pf.y * y + pf.one) * z + pf.offset);
-    const float ray2 = 1.0f + x * x + y * y;
+    const float level = 0.5f * rough_log2(square * (at.pixel * at.pixel) + 1e-12f);
     const float near2 = rho * rho < 1.0f ? rho * rho : 1.0f;
-    light += lamp.headlight * beam(x, y) * (facing * rho) * near2 / (ray2 * ray2);
+    float steady = (ps.x * x + ps.y * y + ps.one) * z + ps.offset;
+    steady = (steady > 0 ? steady : 0.0f) + headlight[i] * (facing * rho) * near2 + of.emission;
+    float mains = (pf.x * x + pf.y * y + pf.one) * z + pf.offset;
+    mains = mains > 0 ? mains : 0.0f;
+    const float share = hazy / (1.0f + at.haze_m * rho);
+    const float clear = of.grey * (1.0f - share);
     const bool mine = polygons[i] == index;
     out.u[i] = mine ? wu * z + pu.offset : out.u[i];
     out.v[i] = mine ? wv * z + pv.offset : out.v[i];
     out.level[i] = mine ? level : out.level[i];
-    out.gain[i] = mine ? (light > 0 ? light : 0.0f) : out.gain[i];
+    out.gain[i] = mine ? clear * (steady + at.flicker * mains) : out.gain[i];
+    out.mains[i] = mine ? clear * mains : out.mains[i];
+    out.veil[i] = mine ? share * at.haze_light : out.veil[i];
+    out.base[i] = mine ? of.base : out.base[i];
+    objects[i] = mine ? of.object : objects[i];
+  }
+}
+
+/// The sky as it is seen along a ray: brighter or darker upwards, under a flat layer of clouds.
+struct Heaven {
+  float east[3];  ///< rows of the rotation from the camera to the world
+  float north[3];
+  float up[3];
+  float horizon;
+  float rise;    ///< of the light from the horizon to the zenith
+  float clouds;  ///< share of the light that the cloud texture modulates
+  std::uint32_t base;
+};
+
+CITYSIM_CLONES void sky(const Heaven& heaven, const float* __restrict xs, const float* __restrict ys,
+                        const float* __restrict per_length, const std::int32_t* __restrict polygons,
+                        Looks& __restrict out, std::int32_t* __restrict objects) {
+  const Heaven h = heaven;
+  for (int i = 0; i < kPixels; ++i) {
+    const float x = xs[i];
+    const float y = ys[i];
+    const float risen = (h.up[0] * x + h.up[1] * y + h.up[2]) * per_length[i];
+    const float up = risen > 0 ? risen : 0.0f;
+    const float light = h.horizon + h.rise * up;
+    const float scale = 60.0f * per_length[i] / (up + 0.1f);  // texels; finite at the horizon
+    const bool mine = polygons[i] < 0;
+    out.u[i] = mine ? scale * (h.east[0] * x + h.east[1] * y + h.east[2]) : out.u[i];
+    out.v[i] = mine ? scale * (h.north[0] * x + h.north[1] * y + h.north[2]) : out.v[i];
+    out.level[i] = mine ? 1.0f : out.level[i];
+    out.gain[i] = mine ? 2.0f * h.clouds * light : out.gain[i];
+    out.mains[i] = mine ? 0.0f : out.mains[i];
+    out.veil[i] = mine ? (1.0f - h.clouds) * light : out.veil[i];
+    out.base[i] = mine ? h.base : out.base[i];
+    objects[i] = mine ? -1 : objects[i];
   }
 }
 
 /// Bilinear in one level. `texels` as in Texture.
-inline float bilinear(const std::uint32_t* __restrict texels, std::uint32_t base, std::int32_t level, float u,
+inline float bilinear(const std::uint64_t* __restrict texels, std::uint32_t base, std::int32_t level, float u,
                       float v) {
   const std::int32_t side = Texture::kSide >> level;
   const std::int32_t mask = side - 1;
@@ -98,19 +145,21 @@ inline float bilinear(const std::uint32_t* __restrict texels, std::uint32_t base
   const float fy = y - static_cast<float>(y0);
   const std::int32_t start =
       static_cast<std::int32_t>(base + Texture::offset(static_cast<std::uint32_t>(level)));
-  const std::uint32_t above = texels[start + (y0 & mask) * side + (x0 & mask)];
-  const std::uint32_t below = texels[start + ((y0 + 1) & mask) * side + (x0 & mask)];
-  const float a = static_cast<float>(static_cast<std::int32_t>(above & 0xffff));
-  const float b = static_cast<float>(static_cast<std::int32_t>(above >> 16));
-  const float c = static_cast<float>(static_cast<std::int32_t>(below & 0xffff));
-  const float d = static_cast<float>(static_cast<std::int32_t>(below >> 16));
+  const std::uint64_t four = texels[start + (y0 & mask) * side + (x0 & mask)];
+  const auto upper = static_cast<std::uint32_t>(four);
+  const auto lower = static_cast<std::uint32_t>(four >> 32);
+  const float a = static_cast<float>(static_cast<std::int32_t>(upper & 0xffff));
+  const float b = static_cast<float>(static_cast<std::int32_t>(upper >> 16));
+  const float c = static_cast<float>(static_cast<std::int32_t>(lower & 0xffff));
+  const float d = static_cast<float>(static_cast<std::int32_t>(lower >> 16));
   const float top = a + fx * (b - a);
   const float bottom = c + fx * (d - c);
   return top + fy * (bottom - top);
 }
 
-/// Trilinear texture values of all rays of a tile.
-CITYSIM_CLONES void look_up(const std::uint32_t* __restrict texels, Looks& looks) {
+/// Trilinear texture values of all rays of a tile, and their light.
+CITYSIM_CLONES void look_up(const std::uint64_t* __restrict texels, Looks& __restrict looks,
+                            float* __restrict light, float* __restrict mains) {
   for (int i = 0; i < kPixels; ++i) {
     constexpr float kLast = static_cast<float>(Texture::kLevels - 2);
     float level = looks.level[i];
@@ -120,7 +169,10 @@ CITYSIM_CLONES void look_up(const std::uint32_t* __restrict texels, Looks& looks
     const float part = level - static_cast<float>(fine);
     const float sharp = bilinear(texels, looks.base[i], fine, looks.u[i], looks.v[i]);
     const float soft = bilinear(texels, looks.base[i], fine + 1, looks.u[i], looks.v[i]);
-    looks.value[i] = (sharp + part * (soft - sharp)) * (1.0f / 65535.0f);
+    const float value = (sharp + part * (soft - sharp)) * (1.0f / 65535.0f);
+    looks.value[i] = value;
+    light[i] = value * looks.gain[i] + looks.veil[i];
+    mains[i] = value * looks.mains[i];
   }
 }
 
@@ -128,81 +180,93 @@ constexpr std::uint32_t base_of(int texture) {
   return static_cast<std::uint32_t>(texture) * static_cast<std::uint32_t>(Texture::kTexels);
 }
 
-/// The sky along the ray (x, y, 1): brighter or darker upwards, under a flat layer of clouds.
-void look_at_sky(const ShadeMoment& moment, float x, float y, int i, Looks& looks) {
+Heaven heaven_of(const ShadeMoment& moment) {
   const Sky& sky = moment.scene->sky;
-  looks.u[i] = looks.v[i] = looks.level[i] = looks.gain[i] = 0;
-  looks.base[i] = base_of(sky.texture < 0 ? 0 : sky.texture);
-  if (sky.indoors) {
-    looks.veil[i] = 0.02f;
-    return;
+  Heaven h{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    h.east[k] = static_cast<float>(moment.world_from_camera[0][k]);
+    h.north[k] = static_cast<float>(moment.world_from_camera[1][k]);
+    h.up[k] = static_cast<float>(moment.world_from_camera[2][k]);
   }
-  const Vec3 d = moment.world_from_camera * Vec3{static_cast<double>(x), static_cast<double>(y), 1.0};
-  const double length = square_root(dot(d, d));
-  const double up = std::max(0.0, d[2] / length);
-  const double light = sky.horizon + (sky.zenith - sky.horizon) * up;
-  const double clouds = sky.texture >= 0 ? sky.clouds : 0.0;
-  const double scale = 60.0 / ((up + 0.1) * length);  // texels; finite at the horizon
-  looks.u[i] = static_cast<float>(scale * d[0]);
-  looks.v[i] = static_cast<float>(scale * d[1]);
-  looks.level[i] = 1.0f;
-  looks.gain[i] = static_cast<float>(2.0 * clouds * light);
-  looks.veil[i] = static_cast<float>((1.0 - clouds) * light);
+  h.horizon = sky.indoors ? 0.02f : static_cast<float>(sky.horizon);
+  h.rise = sky.indoors ? 0.0f : static_cast<float>(sky.zenith - sky.horizon);
+  h.clouds = sky.indoors || sky.texture < 0 ? 0.0f : static_cast<float>(sky.clouds);
+  h.base = base_of(std::max(sky.texture, 0));
+  return h;
+}
+
+float grey_of(const Colour& colour) {
+  return 0.30f * colour[0] + 0.59f * colour[1] + 0.11f * colour[2];
+}
+
+/// Light is grey; a surface's own share of it, without haze, is tinted by its colour.
+void tint(std::span<const LitPolygon> polygons, const TileHits& hits, const Looks& looks, Colour* colour) {
+  static constexpr Colour kSky{0.85f, 1.0f, 1.15f};
+  for (int i = 0; i < kPixels; ++i) {
+    const float clear = looks.value[i] * looks.gain[i];
+    if (hits.polygon[i] < 0) {
+      for (std::size_t k = 0; k < 3; ++k) colour[i][k] = kSky[k] * (clear + looks.veil[i]);
+      continue;
+    }
+    const Colour& c = polygons[static_cast<std::size_t>(hits.polygon[i])].shape.polygon->colour;
+    const float per_grey = clear / std::max(grey_of(c), 1e-6f);
+    for (std::size_t k = 0; k < 3; ++k) colour[i][k] = c[k] * per_grey + looks.veil[i];
+  }
 }
 
 }  // namespace
 
-void shade(const ShadeMoment& moment, std::span<const ViewPolygon> polygons, const Optics::Tile& tile,
-           const TileHits& hits, float* light, Colour* colour) {
+float headlight_along(float x, float y) {
+  const float a = x * (1.0f / 0.55f);
+  const float b = (y - 0.12f) * (1.0f / 0.3f);
+  const float ray2 = 1.0f + x * x + y * y;
+  return 1.0f / ((1.0f + a * a * a * a + b * b * b * b) * (ray2 * ray2));
+}
+
+void shade(const ShadeMoment& moment, std::span<const ObjectInSight> in_sight, std::span<LitPolygon> polygons,
+           const Optics::Tile& tile, const float* headlight, const TileHits& hits, TileLooks& out,
+           Colour* colour) {
   const Scene& scene = *moment.scene;
   Looks looks;
-  const Beam lamp{static_cast<float>(scene.headlight), moment.flicker, 1.0f / moment.pixels_per_unit};
   // Each polygon once, over the span of rays that meet it.
   std::int32_t seen[kPixels];
   int first[kPixels];
   int last[kPixels];
   int count = 0;
-  for (int i = 0; i < kPixels; ++i) {
+  bool has_sky = false;
+  for (int i = 0; i < kPixels;) {
     const std::int32_t index = hits.polygon[i];
-    if (index < 0) continue;
+    const int begin = i;
+    while (i < kPixels && hits.polygon[i] == index) ++i;
+    if (index < 0) {
+      has_sky = true;
+      continue;
+    }
     int k = count - 1;
     while (k >= 0 && seen[k] != index) --k;
     if (k < 0) {
       k = count++;
       seen[k] = index;
-      first[k] = i;
+      first[k] = begin;
     }
-    last[k] = i + 1;
+    last[k] = i;
   }
+  const Moment now{moment.flicker, 1.0f / moment.pixels_per_unit, static_cast<float>(scene.sky.haze_m),
+                   static_cast<float>(scene.sky.horizon)};
   for (int k = 0; k < count; ++k) {
-    ground(polygons[static_cast<std::size_t>(seen[k])], seen[k], lamp, first[k], last[k], tile.x, tile.y,
-           hits.inverse_depth, hits.polygon, looks);
-  }
-  const float haze_m = static_cast<float>(scene.sky.haze_m);
-  const float haze_light = static_cast<float>(scene.sky.horizon);
-  for (int i = 0; i < kPixels; ++i) {
-    if (hits.polygon[i] < 0) {
-      look_at_sky(moment, tile.x[i], tile.y[i], i, looks);
-      continue;
+    LitPolygon& lit = polygons[static_cast<std::size_t>(seen[k])];
+    const Polygon& polygon = *lit.shape.polygon;
+    if (!lit.has_surface) {
+      lit.surface = view_surface(polygon, in_sight[static_cast<std::size_t>(lit.shape.in_sight)].to_camera);
+      lit.has_surface = true;
     }
-    const Polygon& surface = *polygons[static_cast<std::size_t>(hits.polygon[i])].polygon;
-    const float share = haze_m > 0 ? 1.0f / (1.0f + haze_m * hits.inverse_depth[i]) : 0.0f;
-    looks.base[i] = base_of(surface.texture);
-    looks.gain[i] = (looks.gain[i] + surface.emission) * (1.0f - share);
-    looks.veil[i] = share * haze_light;
+    const Paint paint{base_of(polygon.texture), grey_of(polygon.colour), polygon.emission, lit.shape.object};
+    surface(lit, paint, seen[k], now, first[k], last[k], tile.x, tile.y, headlight, hits.inverse_depth,
+            hits.polygon, looks, out.object);
   }
-  look_up(scene.library->texels(), looks);
-  for (int i = 0; i < kPixels; ++i) {
-    const float clear = looks.value[i] * looks.gain[i];
-    static constexpr Colour kSky{0.85f, 1.0f, 1.15f};
-    const bool sky = hits.polygon[i] < 0;
-    const Colour& c = sky ? kSky : polygons[static_cast<std::size_t>(hits.polygon[i])].polygon->colour;
-    const float grey = sky ? 1.0f : 0.30f * c[0] + 0.59f * c[1] + 0.11f * c[2];
-    light[i] = grey * clear + looks.veil[i];
-    if (colour == nullptr) continue;
-    const float white = sky ? 0.0f : looks.veil[i];
-    for (std::size_t k = 0; k < 3; ++k) colour[i][k] = c[k] * (sky ? light[i] : clear) + white;
-  }
+  if (has_sky) sky(heaven_of(moment), tile.x, tile.y, tile.per_length, hits.polygon, looks, out.object);
+  look_up(scene.library->texels(), looks, out.light, out.mains);
+  if (colour != nullptr) tint(polygons, hits, looks, colour);
 }
 
 }  // namespace egofocus::citysim

@@ -23,12 +23,14 @@ Texture::Texture(std::span<const float> reflectance) {
   std::vector<float> level(reflectance.begin(), reflectance.end());
   for (int l = 0; l < kLevels; ++l) {
     const std::size_t side = static_cast<std::size_t>(kSide >> l);
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      const std::size_t right = i - i % side + (i + 1) % side;
-      const auto code = [&](std::size_t at) {
-        return static_cast<std::uint32_t>(level[at] * 65535.0f + 0.5f);
-      };
-      texels_.push_back(code(i) | code(right) << 16);
+    const auto code = [&](std::size_t x, std::size_t y) {
+      return static_cast<std::uint64_t>(level[(y % side) * side + x % side] * 65535.0f + 0.5f);
+    };
+    for (std::size_t y = 0; y < side; ++y) {
+      for (std::size_t x = 0; x < side; ++x) {
+        texels_.push_back(code(x, y) | code(x + 1, y) << 16 | code(x, y + 1) << 32 |
+                          code(x + 1, y + 1) << 48);
+      }
     }
     if (side == 1) break;
     std::vector<float> half(level.size() / 4);

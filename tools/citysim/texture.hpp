@@ -29,8 +29,8 @@ enum class Pattern : std::uint8_t {
 };
 
 /// Reflectance 0..1 as u16 (65535 is 1), square, periodic. Level l has side >> l texels; level 0 comes first.
-/// Each entry holds a texel (low half) and its right neighbour (high half), so that a bilinear look-up is two
-/// loads.
+/// Each entry holds a texel (lowest 16 bits), its right neighbour, the one below, and that one's right
+/// neighbour, so that a bilinear look-up is one load.
 class Texture {
  public:
   static constexpr int kSide = 512;
@@ -40,7 +40,7 @@ class Texture {
   /// `contrast` 0..1 scales the deviations from the mean reflectance `mean`.
   static Texture make(Pattern pattern, double mean, double contrast, Random random);
 
-  [[nodiscard]] std::span<const std::uint32_t> texels() const { return texels_; }
+  [[nodiscard]] std::span<const std::uint64_t> texels() const { return texels_; }
 
   /// Where level l begins: the sum of (side >> i)^2 over i < l, which is (2^20 - 2^(20 - 2 l)) / 3. The exact
   /// division is a product modulo 2^32.
@@ -50,7 +50,7 @@ class Texture {
 
  private:
   explicit Texture(std::span<const float> reflectance);
-  std::vector<std::uint32_t> texels_;
+  std::vector<std::uint64_t> texels_;
 };
 
 /// The bare pattern, kSide^2 values, mean near 0, most within [-1, 1].

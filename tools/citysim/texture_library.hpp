@@ -15,7 +15,7 @@ class TextureLibrary {
   explicit TextureLibrary(std::uint64_t seed);
 
   /// All textures one after the other, Texture::kTexels each: texture t begins at t * kTexels.
-  [[nodiscard]] const std::uint32_t* texels() const { return texels_.data(); }
+  [[nodiscard]] const std::uint64_t* texels() const { return texels_.data(); }
   /// Any texture of this pattern.
   [[nodiscard]] int pick(Pattern pattern, Random& random) const;
   /// A surface of this pattern: `metres` one period covers, with a colour drawn around grey.
@@ -28,7 +28,7 @@ class TextureLibrary {
     Pattern pattern;
     int texture;
   };
-  std::vector<std::uint32_t> texels_;
+  std::vector<std::uint64_t> texels_;
   std::vector<Entry> entries_;
 };
 

@@ -26,71 +26,6 @@ RayAffine in_view(const Affine& affine, const Pose& to_camera, double period) {
           static_cast<float>(rest)};
 }
 
-void add(const Polygon& polygon, const ObjectInSight& of, const Optics::Ray& reach,
-         std::vector<ViewPolygon>& out) {
-  const Vec3 normal = of.to_camera.rotation * polygon.normal;
-  const Vec3 first = of.to_camera.rotation * polygon.corners[0] + of.to_camera.position;
-  const double distance = -dot(normal, first);  // > 0: the camera is in front
-  if (!(distance > 1e-4)) return;
-  const std::size_t n = static_cast<std::size_t>(polygon.corner_count);
-  Vec3 p[4] = {first};
-  for (std::size_t i = 1; i < n; ++i)
-    p[i] = of.to_camera.rotation * polygon.corners[i] + of.to_camera.position;
-
-  ViewPolygon view;
-  double nearest = std::numeric_limits<double>::max();
-  bool behind = false;
-  double low_x = 1e9, high_x = -1e9, low_y = 1e9, high_y = -1e9;
-  int outside[4] = {0, 0, 0, 0};
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3& c = p[i];
-    nearest = std::min(nearest, c[2]);
-    if (c[2] < kNear_m) {
-      behind = true;
-    } else {
-      low_x = std::min(low_x, c[0] / c[2]);
-      high_x = std::max(high_x, c[0] / c[2]);
-      low_y = std::min(low_y, c[1] / c[2]);
-      high_y = std::max(high_y, c[1] / c[2]);
-    }
-    outside[0] += c[0] < -reach.x * c[2];
-    outside[1] += c[0] > reach.x * c[2];
-    outside[2] += c[1] < -reach.y * c[2];
-    outside[3] += c[1] > reach.y * c[2];
-  }
-  const int all = polygon.corner_count;
-  for (const int count : outside) {
-    if (count == all) return;
-  }
-  if (behind) {
-    // Its outline wraps around: the edge tests alone decide.
-    low_x = low_y = -1e9;
-    high_x = high_y = 1e9;
-  }
-  view.low_x = static_cast<float>(low_x - 1e-5);
-  view.high_x = static_cast<float>(high_x + 1e-5);
-  view.low_y = static_cast<float>(low_y - 1e-5);
-  view.high_y = static_cast<float>(high_y + 1e-5);
-  view.largest_inverse_depth =
-      behind ? std::numeric_limits<float>::max() : static_cast<float>(1.0 / nearest * (1 + 1e-6));
-  // The normal points to the camera, so seen from there the corners run counter-clockwise in x right, y up,
-  // and clockwise in x right, y down: an edge's plane through the camera is corner x next corner, negated.
-  // Computed from the same two corners, neighbours get exactly opposite numbers: no crack, no pixel lost.
-  view.edge_count = polygon.corner_count;
-  for (std::size_t i = 0; i < n; ++i) {
-    view.edges[i] = plane(cross(p[i], p[(i + 1) % n]), -1.0);
-  }
-  view.inverse_depth = plane(normal, -1.0 / distance);
-  view.facing = static_cast<float>(distance);
-  view.u = in_view(polygon.u, of.to_camera, Texture::kSide);
-  view.v = in_view(polygon.v, of.to_camera, Texture::kSide);
-  view.steady = in_view(polygon.steady, of.to_camera, 0);
-  view.flickering = in_view(polygon.flickering, of.to_camera, 0);
-  view.polygon = &polygon;
-  view.object = of.object;
-  out.push_back(view);
-}
-
 /// May the sphere be seen? Tested against the four sides of the view and the camera's own plane.
 bool in_sight(const Vec3& centre, double radius, const Optics::Ray& reach) {
   if (centre[2] < -radius) return false;
@@ -142,11 +77,70 @@ void objects_in_sight(const Scene& scene, const Pose& camera, double t_s, const 
                    [](const ObjectInSight& a, const ObjectInSight& b) { return a.nearest_m < b.nearest_m; });
 }
 
-void view_polygons(const Scene& scene, const ObjectInSight& object, const Optics& optics,
-                   std::vector<ViewPolygon>& out) {
-  for (const Polygon& polygon : scene.objects[static_cast<std::size_t>(object.object)].polygons) {
-    add(polygon, object, optics.reach(), out);
+bool outline(const Polygon& polygon, const Pose& to_camera, const Optics& optics, Outline& out) {
+  out.normal = to_camera.rotation * polygon.normal;
+  out.corners[0] = to_camera.rotation * polygon.corners[0] + to_camera.position;
+  out.distance_m = -dot(out.normal, out.corners[0]);
+  if (!(out.distance_m > 1e-4)) return false;
+  const int n = polygon.corner_count;
+  for (int i = 1; i < n; ++i) {
+    out.corners[i] = to_camera.rotation * polygon.corners[static_cast<std::size_t>(i)] + to_camera.position;
   }
+  const Optics::Ray reach = optics.reach();
+  double nearest = std::numeric_limits<double>::max();
+  bool behind = false;
+  double low_x = 1e9, high_x = -1e9, low_y = 1e9, high_y = -1e9;
+  int outside[4] = {0, 0, 0, 0};
+  for (int i = 0; i < n; ++i) {
+    const Vec3& c = out.corners[i];
+    nearest = std::min(nearest, c[2]);
+    outside[0] += c[0] < -reach.x * c[2];
+    outside[1] += c[0] > reach.x * c[2];
+    outside[2] += c[1] < -reach.y * c[2];
+    outside[3] += c[1] > reach.y * c[2];
+  }
+  for (const int count : outside) {
+    if (count == n) return false;
+  }
+  for (int i = 0; i < n && !behind; ++i) {
+    const Vec3& c = out.corners[i];
+    behind = c[2] < kNear_m;
+    const double per_z = 1.0 / c[2];
+    low_x = std::min(low_x, c[0] * per_z);
+    high_x = std::max(high_x, c[0] * per_z);
+    low_y = std::min(low_y, c[1] * per_z);
+    high_y = std::max(high_y, c[1] * per_z);
+  }
+  if (behind) {
+    // Its outline wraps around: the edge tests alone decide.
+    low_x = low_y = -1e9;
+    high_x = high_y = 1e9;
+  }
+  out.tiles = optics.tiles_in(static_cast<float>(low_x - 1e-5), static_cast<float>(high_x + 1e-5),
+                              static_cast<float>(low_y - 1e-5), static_cast<float>(high_y + 1e-5));
+  out.largest_inverse_depth =
+      behind ? std::numeric_limits<float>::max() : static_cast<float>(1.0 / nearest * (1 + 1e-6));
+  return true;
+}
+
+ViewPolygon view_polygon(const Polygon& polygon, const Outline& outline) {
+  ViewPolygon view;
+  // The normal points to the camera, so seen from there the corners run counter-clockwise in x right, y up,
+  // and clockwise in x right, y down: an edge's plane through the camera is corner x next corner, negated.
+  // Computed from the same two corners, neighbours get exactly opposite numbers: no crack, no pixel lost.
+  view.edge_count = polygon.corner_count;
+  for (int i = 0; i < view.edge_count; ++i) {
+    view.edges[i] = plane(cross(outline.corners[i], outline.corners[(i + 1) % view.edge_count]), -1.0);
+  }
+  view.inverse_depth = plane(outline.normal, -1.0 / outline.distance_m);
+  view.facing = static_cast<float>(outline.distance_m);
+  view.polygon = &polygon;
+  return view;
+}
+
+ViewSurface view_surface(const Polygon& polygon, const Pose& to_camera) {
+  return {in_view(polygon.u, to_camera, Texture::kSide), in_view(polygon.v, to_camera, Texture::kSide),
+          in_view(polygon.steady, to_camera, 0), in_view(polygon.flickering, to_camera, 0)};
 }
 
 }  // namespace egofocus::citysim

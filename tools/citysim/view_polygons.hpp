@@ -24,18 +24,6 @@ struct RayAffine {
   float offset = 0;
 };
 
-struct ViewPolygon {
-  RayPlane edges[4];  ///< all >= 0 inside
-  int edge_count = 0;
-  RayPlane inverse_depth;
-  float largest_inverse_depth = 0;  ///< over its corners; infinite when it reaches behind the camera
-  float low_x = 0, high_x = 0, low_y = 0, high_y = 0;  ///< bounds of its rays
-  RayAffine u, v, steady, flickering;
-  const Polygon* polygon = nullptr;
-  std::int32_t object = 0;
-  float facing = 0;  ///< distance of the camera from the polygon's plane
-};
-
 /// An object whose bounding sphere meets the view.
 struct ObjectInSight {
   std::int32_t object = 0;
@@ -49,8 +37,36 @@ struct ObjectInSight {
 void objects_in_sight(const Scene& scene, const Pose& camera, double t_s, const Optics& optics,
                       std::vector<ObjectInSight>& out);
 
-/// Appends the object's polygons that face the camera.
-void view_polygons(const Scene& scene, const ObjectInSight& object, const Optics& optics,
-                   std::vector<ViewPolygon>& out);
+/// Where a polygon that faces the camera may lie in its view.
+struct Outline {
+  Vec3 corners[4];  ///< in the camera's frame
+  Vec3 normal;
+  double distance_m = 0;            ///< of the camera from the polygon's plane, > 0
+  float largest_inverse_depth = 0;  ///< over its corners; infinite when it reaches behind the camera
+  Optics::TileRange tiles{};
+};
+
+/// False when it turns its back or lies beside the view.
+bool outline(const Polygon& polygon, const Pose& to_camera, const Optics& optics, Outline& out);
+
+/// What decides which rays meet a polygon, and where.
+struct ViewPolygon {
+  RayPlane edges[4];  ///< all >= 0 inside
+  int edge_count = 0;
+  RayPlane inverse_depth;
+  float facing = 0;  ///< distance of the camera from the polygon's plane
+  const Polygon* polygon = nullptr;
+  std::int32_t in_sight = 0;  ///< index into the view's ObjectInSight
+  std::int32_t object = 0;
+};
+
+ViewPolygon view_polygon(const Polygon& polygon, const Outline& outline);
+
+/// What decides how bright it looks.
+struct ViewSurface {
+  RayAffine u, v, steady, flickering;
+};
+
+ViewSurface view_surface(const Polygon& polygon, const Pose& to_camera);
 
 }  // namespace egofocus::citysim
