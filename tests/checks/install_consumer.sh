@@ -29,10 +29,15 @@ if [[ $target == aarch64 ]]; then
 fi
 [[ $kind == shared ]] && shared=ON
 
-step "configuring the library" cmake -G Ninja -S "$root" -B "$work/library" "${toolchain[@]}" -DCMAKE_BUILD_TYPE=Release \
-  -DBUILD_SHARED_LIBS=$shared -DEGOFOCUS_BUILD_APPS=OFF -DEGOFOCUS_BUILD_TESTS=OFF -DCMAKE_INSTALL_PREFIX="$work/first"
-step "building the library" cmake --build "$work/library"
-step "installing" cmake --install "$work/library"
+tree=$root/build/release # the static library is what ./check builds anyway
+[[ $target == aarch64 ]] && tree=$root/build/aarch64
+if [[ $kind == shared || ! -f $tree/libegofocus.a ]]; then
+  tree=$work/library
+  step "configuring the library" cmake -G Ninja -S "$root" -B "$tree" "${toolchain[@]}" -DCMAKE_BUILD_TYPE=Release \
+    -DBUILD_SHARED_LIBS=$shared -DEGOFOCUS_BUILD_APPS=OFF -DEGOFOCUS_BUILD_TESTS=OFF
+  step "building the library" cmake --build "$tree"
+fi
+step "installing" cmake --install "$tree" --prefix "$work/first"
 mv "$work/first" "$work/prefix" # nothing may depend on the place
 libdir=$(dirname "$(find "$work/prefix" -name 'libegofocus.*' | head -n 1)")
 if leaks=$(grep -rlIF -e "$root" -e "$work/first" "$work/prefix"); then

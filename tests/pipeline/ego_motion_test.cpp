@@ -186,7 +186,7 @@ TEST_CASE("without a gyro velocity follows the wheels") {
   CHECK(out.worst_velocity < 0.08);
 }
 
-TEST_CASE("3-sigma bounds hold 99 % of the time over drives with random faults") {
+TEST_CASE("3-sigma bounds hold 99 % of the time over drives with random faults", "[long]") {
   Outcome total;
   double worst_bias_deg_s = 0;
   double worst_velocity = 0;

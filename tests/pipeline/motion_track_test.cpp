@@ -91,7 +91,7 @@ std::vector<CameraMotion> weave(std::int64_t begin_us, std::int64_t end_us, int 
 
 }  // namespace
 
-TEST_CASE("a track agrees with fine-step integration of the definition") {
+TEST_CASE("a track agrees with fine-step integration of the definition", "[long]") {
   const std::int64_t begin_us = 1'000'000;
   const std::int64_t end_us = 1'200'000;
   const auto samples = weave(begin_us, end_us, 20, 0.3);

@@ -80,7 +80,7 @@ const Intrinsics kGrid{240, 180, 335, 335, 119.5, 89.5};
 
 }  // namespace
 
-TEST_CASE("landing points agree with a re-projection to 0.1 px at 24 px of parallax and 0.3 rad") {
+TEST_CASE("landing points agree with a re-projection to 0.1 px at 24 px of parallax and 0.3 rad", "[long]") {
   const Real duration_s = 0.2L;
   const Motion motions[] = {{{1.0L, 0.1L, 0}, {0, 1.5L, 0}},
                             {{0.2L, -0.3L, 4}, {0, 1.5L, 0}},

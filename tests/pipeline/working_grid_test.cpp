@@ -90,7 +90,7 @@ TEST_CASE("equidistant: what is undistorted comes back under libm's own model") 
   check_round_trip(mvsec_like());
 }
 
-TEST_CASE("the ray table holds one ray per sensor pixel, and none where there is none") {
+TEST_CASE("the ray table holds one ray per sensor pixel, and none where there is none", "[long]") {
   const CameraModel camera = davis240();
   std::vector<Ray> rays(240 * 180);
   fill_rays(camera, rays);
