@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <system_error>
 
 #include "recording/error.hpp"
 #include "recording/png_io.hpp"
@@ -13,6 +14,8 @@ namespace egofocus::recording {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::int64_t kFarthestUs = std::int64_t{1} << 60;  // differences of times never overflow
 
 bool is_there(const fs::path& path) {
   std::error_code ignored;
@@ -26,14 +29,17 @@ std::vector<DepthTruth> list_truth(const fs::path& folder) {
     if (entry.path().extension() != ".png") continue;
     const std::string stem = entry.path().stem().string();
     DepthTruth item{0, entry.path()};
-    if (std::from_chars(stem.data(), stem.data() + stem.size(), item.t_us).ptr != stem.data() + stem.size()) {
+    const char* const end = stem.data() + stem.size();
+    if (const auto [stop, error] = std::from_chars(stem.data(), end, item.t_us);
+        stop != end || error != std::errc() || item.t_us < -kFarthestUs || item.t_us > kFarthestUs) {
       throw Error(ExitCode::kBadFile, entry.path().string(),
                   "the name of a depth picture is its time in microseconds, such as 000000123456.png.");
     }
     truth.push_back(std::move(item));
   }
-  std::sort(truth.begin(), truth.end(),
-            [](const DepthTruth& a, const DepthTruth& b) { return a.t_us < b.t_us; });
+  std::sort(truth.begin(), truth.end(), [](const DepthTruth& a, const DepthTruth& b) {
+    return a.t_us != b.t_us ? a.t_us < b.t_us : a.path < b.path;
+  });
   return truth;
 }
 

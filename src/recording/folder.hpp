@@ -35,7 +35,7 @@ struct Folder {
   std::string dbc;                ///< text of the DBC; empty when there is none
   MappedFile pose_file;           ///< poses.txt; empty when there is none
   std::vector<PoseSample> poses;  ///< the same, parsed
-  std::vector<DepthTruth> truth;  ///< ascending in time
+  std::vector<DepthTruth> truth;  ///< ascending in time, then by name
 
   /// The truth at exactly this time, if there is one.
   [[nodiscard]] const DepthTruth* truth_at(std::int64_t t_us) const;

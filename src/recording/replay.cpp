@@ -90,6 +90,10 @@ void Replay::start(std::int64_t first_tick_us) {
   require(engine_.start(ClockKind::kVirtual, first_tick_us), folder_.path.string(), ExitCode::kBadFile);
 }
 
+void Replay::set_next_tick(std::int64_t t_us) {
+  require(engine_.set_next_tick(t_us), folder_.path.string(), ExitCode::kInternal);
+}
+
 bool Replay::tick(DepthFrame& frame) {
   if (engine_.next_tick_us() > last_event_us_) return false;
   return engine_.tick() && engine_.newest(frame);

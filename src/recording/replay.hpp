@@ -36,6 +36,10 @@ class Replay {
 
   void start(std::int64_t first_tick_us);
 
+  /// The next tick at this time instead of the grid's next point. Throws Error (kInternal) when the last tick
+  /// was not before it.
+  void set_next_tick(std::int64_t t_us);
+
   /// One tick. False at the end: the source has ended, or no event is left for the next tick.
   bool tick(DepthFrame& frame);
 
