@@ -15,6 +15,7 @@
 #include "recording/depth_prior.hpp"
 #include "recording/error.hpp"
 #include "recording/evaluation.hpp"
+#include "recording/output_folder.hpp"
 #include "recording/progress.hpp"
 #include "recording/text_file.hpp"
 
@@ -106,7 +107,7 @@ EvalOptions options_of(const Arguments& arguments) {
   return options;
 }
 
-/// Folders of maps carry the recordings' names.
+/// Folders of maps carry the recordings' names. What stands in the way of one is said before any work.
 void check_names(const Arguments& arguments) {
   std::set<std::string> names;
   for (const std::string& path : arguments.recordings) {
@@ -115,6 +116,8 @@ void check_names(const Arguments& arguments) {
       throw Error(ExitCode::kUsage, path,
                   "two recordings are named " + name + "; --out and --maps tell them apart by this name.");
     }
+    if (!arguments.out.empty())
+      static_cast<void>(recording::OutputFolder(std::filesystem::path(arguments.out) / name));
   }
 }
 

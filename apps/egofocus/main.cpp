@@ -5,6 +5,7 @@
 #include "commands.hpp"
 #include "egofocus/version.hpp"
 #include "recording/error.hpp"
+#include "recording/text_file.hpp"
 
 namespace {
 
@@ -31,15 +32,24 @@ int main(int argc, char** argv) {
   egofocus::app::add_eval(program);
   egofocus::app::add_info(program);
   egofocus::app::add_replay(program);
-  try {
-    program.parse(argc, argv);
-    return static_cast<int>(ExitCode::kOk);
-  } catch (const CLI::ParseError& error) {
-    // --help and --version come this way, too, with code 0.
-    return program.exit(error) == 0 ? static_cast<int>(ExitCode::kOk) : static_cast<int>(ExitCode::kUsage);
-  } catch (const Error& error) {
+  const auto complain = [](const Error& error) {
     std::fprintf(stderr, "egofocus: %s\n", error.what());
     return error.exit_code();
+  };
+  try {
+    ExitCode code = ExitCode::kOk;
+    try {
+      program.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      // --help and --version come this way, too, with code 0.
+      if (program.exit(error) != 0) code = ExitCode::kUsage;
+    }
+    egofocus::recording::flush_standard_output();
+    return static_cast<int>(code);
+  } catch (const Error& error) {
+    return complain(error);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return complain(egofocus::recording::refused(error));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "egofocus: internal error: %s\n", error.what());
     return static_cast<int>(ExitCode::kInternal);

@@ -32,7 +32,8 @@ struct EvalOptions {
   std::size_t max_images = SIZE_MAX;  ///< of each recording, the first ones
   std::optional<DepthPrior> prior;    ///< for median-prior and rows
   std::filesystem::path maps;         ///< for maps: pictures named like the truth
-  std::filesystem::path out;          ///< maps and masks go there, for numpy; empty: nowhere
+  /// Maps and masks, for numpy: each recording's folder appears there whole or not at all. Empty: nowhere.
+  std::filesystem::path out;
   std::optional<MotionSource> motion;
   bool on_grid = false;  ///< ticks at the configured rate; else one at the time of each truth picture
   std::optional<std::int64_t> first_tick_us;             ///< of the grid; default: the first truth

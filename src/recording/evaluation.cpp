@@ -8,6 +8,7 @@
 #include "recording/error.hpp"
 #include "recording/event_mask.hpp"
 #include "recording/npy_file.hpp"
+#include "recording/output_folder.hpp"
 #include "recording/png_io.hpp"
 
 namespace egofocus::recording {
@@ -89,7 +90,7 @@ ImageFact compare(const Image& image, const DepthFrame& frame, const MetricRange
   return fact;
 }
 
-void write_image(const fs::path& out, const std::vector<std::string>& methods, const Image& image,
+void write_image(const OutputFolder& out, const std::vector<std::string>& methods, const Image& image,
                  const Intrinsics& grid, const std::string& stem) {
   const auto folder = [&out](const std::string& name) {
     std::error_code error;
@@ -207,6 +208,8 @@ SequenceScore evaluate(const fs::path& recording, const EvalOptions& options) {
     if (options.methods[i] == "median") methods[i].set_constant(result.median_m);
   }
 
+  std::optional<OutputFolder> out;
+  if (!options.out.empty()) out.emplace(options.out / result.recording).create();
   EventMask event_mask(camera.config);
   std::int64_t before_us = std::numeric_limits<std::int64_t>::min();
   for (EvalMethod& method : methods) method.start(tick_grid ? tick_grid->first_us : planned.front().t_us);
@@ -229,12 +232,11 @@ SequenceScore evaluate(const fs::path& recording, const EvalOptions& options) {
       image.maps.push_back(methods[m].map(truth, camera));
     result.images.push_back(compare(image, frame, options.range, result.methods));
     result.before_events += frame.t_us < replay.first_event_us() ? 1 : 0;
-    if (!options.out.empty())
-      write_image(options.out / result.recording, options.methods, image, frame.grid,
-                  truth.path.stem().string());
+    if (out) write_image(*out, options.methods, image, frame.grid, truth.path.stem().string());
     options.progress(result.images.size(), planned.size());
   }
   check_motion(replay);
+  if (out) out->finish();
   result.without_tick += planned.size() - result.images.size();
   return result;
 }

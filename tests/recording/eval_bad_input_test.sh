@@ -57,6 +57,12 @@ refuse 4 '000000050000.png: ' eval "$planes" --maps "$work/maps" --methods maps
 run 0 '^maps ' eval "$planes" --maps "$planes/depth" --methods maps,median --limit 1
 refuse 2 'two recordings are named planes' eval "$planes" "$planes" --out "$work/out"
 
+mkdir -p "$work/taken/planes/old"
+refuse 2 'taken/planes: is there already' eval "$planes" $one --out "$work/taken"
+run 0 'planes: 1 of 43' eval "$planes" $one --out "$work/out"
+[ -f "$work/out/planes/focus/000000050000.npy" ] || { echo "FAILED: --out wrote no map"; failures=$((failures + 1)); }
+refuse 2 'out/planes: is there already' eval "$planes" $one --out "$work/out"
+
 # --- numbers
 for clip in 3 3:2 0:80 a:b 1:2x 1:inf; do refuse 2 'clip: must be two depths' eval "$planes" --clip $clip; done
 run 2 'cut' eval "$planes" --cut -1

@@ -5,6 +5,7 @@ usage: eval_numpy_test.py RECORDING -- COMMAND...       exit code 1 when a numbe
 """
 import json
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -303,6 +304,7 @@ def main():
         work = pathlib.Path(folder)
 
         def run(*options, recording=recording):
+            shutil.rmtree(work / "out", ignore_errors=True)
             subprocess.run(command + ["eval", str(recording), "--cut", str(CUT), "--clip", f"{CLIP_MIN}:{CLIP_MAX}",
                                       "--json", str(work / "scores.json"), "--out", str(work / "out"),
                                       *options], check=True, stdout=subprocess.DEVNULL)
