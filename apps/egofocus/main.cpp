@@ -14,6 +14,7 @@ constexpr const char* kExamples = R"(Examples:
   egofocus eval fixtures/planes --cut 10               the same against its truth: all metrics
   egofocus info fixtures/planes                        what is in a recording
   egofocus info events.raw --json                      the same of one file, for programs
+  egofocus overlay town1 --out out/overlay             do its frames, depth and events lie on each other?
   egofocus convert slider_depth out/slider             a recording from ECD, MVSEC, DSEC or AEDAT4 files
 
 Exit codes: 0 ok, 1 internal error, 2 wrong command line, 3 file missing or unreadable, 4 bad or truncated file,
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
   egofocus::app::add_convert(program);
   egofocus::app::add_eval(program);
   egofocus::app::add_info(program);
+  egofocus::app::add_overlay(program);
   egofocus::app::add_replay(program);
   const auto complain = [](const Error& error) {
     std::fprintf(stderr, "egofocus: %s\n", error.what());

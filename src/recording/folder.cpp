@@ -100,7 +100,7 @@ std::string depth_name(std::int64_t t_us) {
   return "depth/" + std::string(digits.size() < 12 ? 12 - digits.size() : 0, '0') + digits + ".png";
 }
 
-Folder open_folder(const fs::path& path, std::optional<MotionSource> source) {
+Folder open_events_and_truth(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) {
     throw Error(ExitCode::kFile, path.string(),
@@ -110,16 +110,21 @@ Folder open_folder(const fs::path& path, std::optional<MotionSource> source) {
   Folder folder;
   folder.path = path;
   folder.camera = read_camera_toml(path / "camera.toml");
-  if (source) folder.camera.config.motion.source = *source;
   folder.events = MappedFile(path / "events.raw");
   if (folder.events.bytes().empty()) {
     throw Error(ExitCode::kNoEvents, (path / "events.raw").string(),
                 "is empty. Record again, or convert the text set again.");
   }
+  folder.truth = list_truth(path / "depth");
+  return folder;
+}
+
+Folder open_folder(const fs::path& path, std::optional<MotionSource> source) {
+  Folder folder = open_events_and_truth(path);
+  if (source) folder.camera.config.motion.source = *source;
   load_can(folder);
   load_poses(folder);
   check_motion(folder);
-  folder.truth = list_truth(path / "depth");
   return folder;
 }
 

@@ -45,6 +45,10 @@ struct Folder {
 /// kConfiguration, and kMotion when the wanted motion is not there or has an interior gap.
 [[nodiscard]] Folder open_folder(const std::filesystem::path& path, std::optional<MotionSource> source = {});
 
+/// The same without motion: camera, events and truth alone. Throws Error: kFile, kBadFile, kConfiguration,
+/// kNoEvents.
+[[nodiscard]] Folder open_events_and_truth(const std::filesystem::path& path);
+
 /// Is this a folder with an events.raw in it?
 [[nodiscard]] bool is_recording(const std::filesystem::path& path);
 
