@@ -2,6 +2,7 @@
 disk=$work/disk
 mkdir "$disk"
 trap 'umount "$disk" 2>/dev/null; rm -rf "$work"' EXIT
+trap 'exit 1' INT TERM # by way of the line above
 
 # small_disk KIBIBYTES: an empty file system of this size at $disk; false where that is not permitted.
 small_disk() {
