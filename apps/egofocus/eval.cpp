@@ -15,6 +15,7 @@
 #include "recording/depth_prior.hpp"
 #include "recording/error.hpp"
 #include "recording/evaluation.hpp"
+#include "recording/output_folder.hpp"
 #include "recording/progress.hpp"
 #include "recording/text_file.hpp"
 
@@ -95,6 +96,7 @@ EvalOptions options_of(const Arguments& arguments) {
   options.maps = arguments.maps;
   options.out = arguments.out;
   options.motion = arguments.motion;
+  options.on_grid = arguments.rate_hz || arguments.first_tick_us;
   options.first_tick_us = arguments.first_tick_us;
   options.adjust = [&arguments, noise = arguments.noise](Config& config) {
     if (arguments.rate_hz) config.rate.rate_hz = *arguments.rate_hz;
@@ -105,7 +107,7 @@ EvalOptions options_of(const Arguments& arguments) {
   return options;
 }
 
-/// Folders of maps carry the recordings' names.
+/// Folders of maps carry the recordings' names. What stands in the way of one is said before any work.
 void check_names(const Arguments& arguments) {
   std::set<std::string> names;
   for (const std::string& path : arguments.recordings) {
@@ -114,6 +116,8 @@ void check_names(const Arguments& arguments) {
       throw Error(ExitCode::kUsage, path,
                   "two recordings are named " + name + "; --out and --maps tell them apart by this name.");
     }
+    if (!arguments.out.empty())
+      static_cast<void>(recording::OutputFolder(std::filesystem::path(arguments.out) / name));
   }
 }
 
@@ -193,9 +197,13 @@ void run(const Arguments& arguments) {
 }
 
 void add_engine_options(CLI::App& command, Arguments& a) {
-  command.add_option("--rate", a.rate_hz, "ticks per second (default: camera.toml)");
+  command.add_option(
+      "--rate", a.rate_hz,
+      "so many ticks per second, and compare only truth at a tick's very time (default: tick at "
+      "the truth's times)");
   command.add_option("--first-tick-us", a.first_tick_us,
-                     "time of the first tick (default: first depth truth)");
+                     "the same with the first tick there, at the rate of camera.toml or --rate (default with "
+                     "--rate: first depth truth)");
   const std::map<std::string, FocusCost> costs{{"gradient", FocusCost::kGradient},
                                                {"variance", FocusCost::kVariance},
                                                {"sosa", FocusCost::kSosa},

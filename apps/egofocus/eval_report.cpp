@@ -152,9 +152,12 @@ Json image_json(const recording::ImageFact& image) {
 }  // namespace
 
 std::string eval_text(const SequenceScore& score, Mask mask) {
-  std::string text = format("%s: %zu of %zu truth images compared; %zu at no tick, %zu over the limit\n",
-                            score.recording.c_str(), score.images.size(), score.truth_images,
-                            score.without_tick, score.over_limit);
+  std::string text =
+      format("%s: %zu of %zu truth images compared, %zu of them before the first event",
+             score.recording.c_str(), score.images.size(), score.truth_images, score.before_events);
+  text +=
+      format("; %zu after the last event, %zu of the time of another, %zu at no tick, %zu over the limit\n",
+             score.after_events, score.same_time, score.without_tick, score.over_limit);
   text += format("%zu images without a ladder", score.images_without_ladder());
   if (std::isfinite(score.outside_ladder()))
     text += format("; of the truth in the others %.2f %% lies outside it", 100 * score.outside_ladder());
@@ -174,6 +177,9 @@ Json eval_json(const SequenceScore& score, bool images) {
   json.add("recording", score.recording)
       .add("truth_images", score.truth_images)
       .add("compared", score.images.size())
+      .add("before_events", score.before_events)
+      .add("after_events", score.after_events)
+      .add("same_time", score.same_time)
       .add("without_tick", score.without_tick)
       .add("over_limit", score.over_limit)
       .add("images_without_ladder", score.images_without_ladder())

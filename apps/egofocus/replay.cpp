@@ -148,7 +148,9 @@ void add_replay(CLI::App& program) {
   command->add_option("--isa", a->isa,
                       "force one instruction set: scalar, sse41, avx2, avx512, neon; the result is the same");
   add_noise_options(*command, a->noise);
-  command->add_option("--out", a->out, "folder for pictures and report.json");
+  command->add_option(
+      "--out", a->out,
+      "folder for pictures and report.json, which comes last: without it the replay did not end");
   command->add_option("--golden", a->golden,
                       "write the machine-independent text (hash per frame, counts, health) here");
   command->add_flag("--json", a->json, "summary as JSON");

@@ -74,6 +74,7 @@ ReplayPictures::ReplayPictures(std::filesystem::path folder, double z_near_m)
   if (error)
     throw recording::Error(recording::ExitCode::kFile, folder_.string(),
                            "cannot be made: " + error.message());
+  for (const char* last : {"overview.png", "report.json"}) std::filesystem::remove(folder_ / last);
 }
 
 void ReplayPictures::write(const DepthFrame& frame, const Intrinsics& sensor, std::span<const Event> events,

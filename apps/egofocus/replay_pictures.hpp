@@ -14,7 +14,8 @@ namespace egofocus::app {
 
 class ReplayPictures {
  public:
-  /// Makes the folder. `z_near_m` is where the depth colours end. Throws recording::Error.
+  /// Makes the folder; an earlier replay's overview.png and report.json go: what comes last says that the
+  /// folder is whole. `z_near_m` is where the depth colours end. Throws recording::Error.
   ReplayPictures(std::filesystem::path folder, double z_near_m);
 
   /// <t_us>_events.png, _depth.png, _confidence.png. `truth_m` is empty or as large as the grid. Frames with

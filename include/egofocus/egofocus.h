@@ -44,8 +44,9 @@ typedef enum egofocus_status_code {
   EGOFOCUS_UNSUPPORTED_FORMAT,
   EGOFOCUS_PARSE,
   EGOFOCUS_MISSING_SIGNAL,
-  EGOFOCUS_THREAD, /* value = errno */
-  EGOFOCUS_IO      /* value = errno */
+  EGOFOCUS_THREAD,  /* value = errno */
+  EGOFOCUS_IO,      /* value = errno */
+  EGOFOCUS_BAD_TICK /* value = the time asked for, bound = the one it passed */
 } egofocus_status_code;
 
 typedef struct egofocus_status {
@@ -287,6 +288,10 @@ enum { EGOFOCUS_CLOCK_VIRTUAL, EGOFOCUS_CLOCK_MONOTONIC };
 /* `first_tick_us` is t_0 of the tick grid. RT: no. */
 EGOFOCUS_C_API egofocus_status egofocus_start(egofocus_engine* engine, int32_t clock, int64_t first_tick_us);
 EGOFOCUS_C_API int64_t egofocus_next_tick_us(const egofocus_engine* engine);
+/* EGOFOCUS_CLOCK_VIRTUAL: the next tick is about `t_us`, and the grid goes on from there. EGOFOCUS_BAD_STATE
+ * before start, after stop and with the other clock; EGOFOCUS_BAD_TICK when it is not after the last tick, or
+ * above 2^60. RT: yes. */
+EGOFOCUS_C_API egofocus_status egofocus_set_next_tick(egofocus_engine* engine, int64_t t_us);
 
 /* One step; 1 when a frame was published, 0 at the end or after egofocus_request_stop. RT: yes. */
 EGOFOCUS_C_API int32_t egofocus_tick(egofocus_engine* engine);

@@ -24,8 +24,8 @@ enum class ClockKind : std::uint8_t {
 ///
 /// Order of calls: configure -> [attach ...] -> start -> tick, tick, ... -> stop. After start() no call
 /// allocates, locks, throws, logs or waits without bound.
-/// Thread: one thread owns the engine and calls configure, attach, start, tick, stop. inlets() may be written
-/// by others (see Inlets). newest() may be called from ONE other thread, health() from any.
+/// Thread: one thread owns the engine and calls configure, attach, start, set_next_tick, tick, stop. inlets()
+/// may be written by others (see Inlets). newest() may be called from ONE other thread, health() from any.
 class EGOFOCUS_API Engine {
  public:
   Engine() noexcept = default;
@@ -49,6 +49,12 @@ class EGOFOCUS_API Engine {
 
   /// The time that the next tick is about.
   [[nodiscard]] std::int64_t next_tick_us() const noexcept;
+
+  /// kVirtual: the next tick is about `t_us` instead, sooner or later than the grid says, and the grid goes
+  /// on from there. Depth does not depend on when else there were ticks: samples are used by their own times.
+  /// Errors, which change nothing: kBadState before start(), after stop() and with kMonotonic; kBadTick when
+  /// `t_us` is not after the last tick (value, bound = its time) or above 2^60. Thread: the tick's. RT: yes.
+  Status set_next_tick(std::int64_t t_us) noexcept;
 
   /// One step: ingest -> ego-motion -> warp -> focus -> depth, and publication. A frame is published each
   /// time. Returns false, and does nothing, when all attached sources ended before the tick's time

@@ -33,6 +33,7 @@ enum class StatusCode : std::uint8_t {
   kMissingSignal,  ///< a DBC without a signal that the configuration names
   kThread,         ///< the system refused a thread or its pinning; value = errno
   kIo,             ///< the system refused I/O; value = errno
+  kBadTick,        ///< a tick at a time that cannot be; value = the time, bound = the one it passed
 };
 
 /// `subject` is a static string that names the field or step; `value` and `bound` depend on the code.

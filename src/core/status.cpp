@@ -122,6 +122,15 @@ std::size_t Status::describe(std::span<char> out) const noexcept {
     case StatusCode::kIo:
       line.text("input or output failed: ").text(subject_).text(" (errno ").number(value_).text(")");
       break;
+    case StatusCode::kBadTick:
+      line.text("no tick can be at ")
+          .number(value_)
+          .text(" us: ")
+          .text(subject_)
+          .text(", ")
+          .number(bound_)
+          .text(" us");
+      break;
   }
   return line.close();
 }

@@ -34,7 +34,8 @@ std::size_t push(egofocus_engine& handle, const CSample* samples, std::size_t co
   return taken;
 }
 
-static_assert(EGOFOCUS_IO == static_cast<int>(StatusCode::kIo), "a status code was added on one side only");
+static_assert(EGOFOCUS_BAD_TICK == static_cast<int>(StatusCode::kBadTick),
+              "a status code was added on one side only");
 static_assert(EGOFOCUS_BAD_STATE == static_cast<int>(StatusCode::kBadState));
 static_assert(EGOFOCUS_FLAG_LATE_TICK == static_cast<int>(kLateTick));
 static_assert(EGOFOCUS_FLAG_NO_PARALLAX == static_cast<int>(kNoParallax));
@@ -123,6 +124,10 @@ egofocus_status egofocus_start(egofocus_engine* engine, int32_t clock, int64_t f
 
 int64_t egofocus_next_tick_us(const egofocus_engine* engine) {
   return engine->engine.next_tick_us();
+}
+
+egofocus_status egofocus_set_next_tick(egofocus_engine* engine, int64_t t_us) {
+  return status_to_c(engine->engine.set_next_tick(t_us));
 }
 
 int32_t egofocus_tick(egofocus_engine* engine) {

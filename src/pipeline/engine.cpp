@@ -20,6 +20,8 @@ constexpr int kMaxSources = 8;
 constexpr std::int64_t kPollTimeout_us = 10'000;
 constexpr std::int64_t kAheadLimit_us = 1'000'000;
 constexpr std::int64_t kLateTick_us = 1000;
+constexpr std::int64_t kLatestTick_us = std::int64_t{1}
+                                        << 60;  // a grid that goes on from there overflows nothing
 // A source that brings nothing this many times in a row under the virtual clock will not bring anything.
 constexpr int kIdlePolls = 100;
 
@@ -160,6 +162,22 @@ Status Engine::start(ClockKind clock, std::int64_t first_tick_us) noexcept {
   // Last, so that no other thread inherits the priority and the pin of the tick.
   s.counted.refused |= make_this_thread_real_time({"egofocus-tick", rt.fifo_priority, rt.cpu});
   s.health.publish(s.counted);
+  return {};
+}
+
+Status Engine::set_next_tick(std::int64_t t_us) noexcept {
+  if (state_ == nullptr || !state_->started) {
+    return {StatusCode::kBadState, "set_next_tick() before start() or after stop()"};
+  }
+  State& s = *state_;
+  if (s.clock_kind != ClockKind::kVirtual) {
+    return {StatusCode::kBadState, "set_next_tick() with the monotonic clock, whose ticks are a grid"};
+  }
+  const std::int64_t last_us = s.pipeline.last_tick_us();
+  if (t_us <= last_us) return {StatusCode::kBadTick, "it must come after the last one", t_us, last_us};
+  if (t_us > kLatestTick_us)
+    return {StatusCode::kBadTick, "it is later than the latest", t_us, kLatestTick_us};
+  s.scheduler.move_to(t_us);
   return {};
 }
 

@@ -134,29 +134,35 @@ std::uint64_t Pipeline::ingest(Inlets::Rings& rings, std::int64_t tick_us, std::
   ring_dropped_ = rings.events.dropped();
   const std::int64_t horizon_us = tick_us > INT64_MAX - ahead_us ? INT64_MAX : tick_us + ahead_us;
   std::uint64_t taken = ingest_events(rings.events, tick_us, horizon_us);
-  const auto drain = [&](auto& ring, std::uint64_t& ahead) {
-    for (;;) {
-      const auto ready = ring.peek(64);
-      std::size_t n = 0;
-      // The ego-motion sorts; what is newer than the tick waits in the ring, so that nothing depends on
-      // arrival.
-      for (; n < ready.size(); ++n) {
-        if (ready[n].t_us > horizon_us) {
-          ++ahead;  // not for the ego-motion: it would wait there, and fill up what sorts
-        } else if (ready[n].t_us <= tick_us) {
-          ego_motion_->add(ready[n]);
-        } else {
-          break;
-        }
-      }
-      ring.release(n);
-      taken += n;
-      if (n == 0 || n < ready.size()) return;
+  // The ego-motion sorts; what is newer than the tick waits in its ring, so that nothing depends on arrival.
+  const auto next = [&](auto& ring, std::uint64_t& ahead) {
+    auto ready = ring.peek(1);
+    for (; !ready.empty() && ready[0].t_us > horizon_us; ready = ring.peek(1)) {
+      ++ahead;  // not for the ego-motion: it would wait there, and fill up what sorts
+      ring.release(1);
+      ++taken;
     }
+    return !ready.empty() && ready[0].t_us <= tick_us ? ready.data() : nullptr;
   };
-  drain(rings.imu, ahead_[0]);
-  drain(rings.odometry, ahead_[1]);
-  drain(rings.poses, ahead_[2]);
+  const auto take = [&](auto& ring, const auto& sample) {
+    ego_motion_->add(sample);
+    ring.release(1);
+    ++taken;
+  };
+  // By time, not ring by ring: after a long pause one kind alone would fill up what sorts, and its oldest
+  // samples, used early, would make the other kind's late.
+  for (;;) {
+    const ImuSample* const imu = next(rings.imu, ahead_[0]);
+    const OdometrySample* const odometry = next(rings.odometry, ahead_[1]);
+    if (imu != nullptr && (odometry == nullptr || imu->t_us <= odometry->t_us)) {
+      take(rings.imu, *imu);
+    } else if (odometry != nullptr) {
+      take(rings.odometry, *odometry);
+    } else {
+      break;
+    }
+  }
+  while (const PoseSample* const pose = next(rings.poses, ahead_[2])) take(rings.poses, *pose);
   return taken;
 }
 

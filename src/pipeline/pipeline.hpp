@@ -45,6 +45,8 @@ class Pipeline {
   void report(Health& health) const noexcept;
 
   [[nodiscard]] std::int64_t newest_event_us() const noexcept { return window_.newest_us(); }
+  /// -2^60 before the first.
+  [[nodiscard]] std::int64_t last_tick_us() const noexcept { return last_tick_us_; }
 
  private:
   // Older time stamps are garbage; so far from the ends that differences of times never overflow.

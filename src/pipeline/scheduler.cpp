@@ -18,12 +18,14 @@ void Scheduler::start(const RateConfig& config, std::int64_t first_tick_us) noex
   first_us_ = first_tick_us;
   rate_hz_ = config.rate_hz;
   lateness_us_ = config.lateness_us;
+  first_index_ = 0;
   index_ = 0;
 }
 
 // One division per tick, no sum of rounded periods: an error cannot add up.
 std::int64_t Scheduler::at(std::uint64_t index) const noexcept {
-  return first_us_ + static_cast<std::int64_t>(floor_of(static_cast<double>(index) * 1e6 / rate_hz_));
+  const auto periods = static_cast<double>(index - first_index_);
+  return first_us_ + static_cast<std::int64_t>(floor_of(periods * 1e6 / rate_hz_));
 }
 
 std::int64_t Scheduler::wait(const Clock& clock) noexcept {
@@ -36,7 +38,7 @@ std::uint64_t Scheduler::advance(std::int64_t now_us) noexcept {
   if (deadline_us() >= now_us) return 0;
   const std::uint64_t before = index_;
   const auto behind_us = static_cast<double>(now_us - lateness_us_ - first_us_);
-  const auto last_due = static_cast<std::uint64_t>(floor_of(behind_us * rate_hz_ * 1e-6));
+  const auto last_due = first_index_ + static_cast<std::uint64_t>(floor_of(behind_us * rate_hz_ * 1e-6));
   if (last_due > index_ + 1) index_ = last_due - 1;  // the quotient's rounding may be one too high
   while (deadline_us() < now_us) ++index_;           // at most three steps
   return index_ - before;

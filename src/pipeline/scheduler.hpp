@@ -34,10 +34,17 @@ class Scheduler {
   /// Virtual time: the next grid point, none is ever skipped.
   void advance() noexcept { ++index_; }
 
+  /// The next tick is about `t_us`, and the grid goes on from there. The index goes on, too.
+  void move_to(std::int64_t t_us) noexcept {
+    first_us_ = t_us;
+    first_index_ = index_;
+  }
+
  private:
   [[nodiscard]] std::int64_t at(std::uint64_t index) const noexcept;
 
-  std::int64_t first_us_ = 0;
+  std::int64_t first_us_ = 0;      // of the grid
+  std::uint64_t first_index_ = 0;  // of the tick at first_us_
   double rate_hz_ = 20;
   std::int64_t lateness_us_ = 0;
   std::uint64_t index_ = 0;

@@ -39,15 +39,12 @@ void refuse_unused(InputFormat format, const ConvertOptions& options) {
     throw Error(ExitCode::kUsage, "--camera", "a text set has one camera. Leave it out.");
 }
 
-/// What the file system refuses on the way is the user's to mend, not ours.
 template <typename Work>
 auto guarded(const Work& work) {
   try {
     return work();
   } catch (const fs::filesystem_error& error) {
-    throw Error(
-        ExitCode::kFile, error.path1().string(),
-        "cannot be read or written (" + error.code().message() + "). Check the path and the permissions.");
+    throw refused(error);
   }
 }
 

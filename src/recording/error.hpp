@@ -1,6 +1,7 @@
 // The one exception of the recording library and of the programs: what, where, what to do, and an exit code.
 #pragma once
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 
@@ -31,5 +32,12 @@ class Error : public std::runtime_error {
  private:
   ExitCode code_;
 };
+
+/// What the file system refuses on the way is the user's to mend, not a defect of ours.
+[[nodiscard]] inline Error refused(const std::filesystem::filesystem_error& error) {
+  return {ExitCode::kFile, error.path1().string(),
+          "cannot be read or written (" + error.code().message() +
+              "). Check the path and the permissions; is the disk full?"};
+}
 
 }  // namespace egofocus::recording

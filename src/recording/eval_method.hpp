@@ -32,9 +32,11 @@ struct EvalOptions {
   std::size_t max_images = SIZE_MAX;  ///< of each recording, the first ones
   std::optional<DepthPrior> prior;    ///< for median-prior and rows
   std::filesystem::path maps;         ///< for maps: pictures named like the truth
-  std::filesystem::path out;          ///< maps and masks go there, for numpy; empty: nowhere
+  /// Maps and masks, for numpy: each recording's folder appears there whole or not at all. Empty: nowhere.
+  std::filesystem::path out;
   std::optional<MotionSource> motion;
-  std::optional<std::int64_t> first_tick_us;
+  bool on_grid = false;  ///< ticks at the configured rate; else one at the time of each truth picture
+  std::optional<std::int64_t> first_tick_us;             ///< of the grid; default: the first truth
   std::function<void(Config&)> adjust = [](Config&) {};  ///< before the engines are made
   std::function<void(std::size_t, std::size_t)> progress = [](std::size_t, std::size_t) {};
 };
@@ -63,6 +65,10 @@ class EvalMethod {
   [[nodiscard]] const DepthFrame& frame() const { return frame_; }
 
   void start(std::int64_t first_tick_us);
+
+  void set_next_tick(std::int64_t t_us) {
+    if (replay_) replay_->set_next_tick(t_us);
+  }
 
   /// The next tick. False at the end of the recording; never without an engine.
   bool tick() { return !replay_ || replay_->tick(frame_); }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "recording/error.hpp"
 #include "recording/event_mask.hpp"
 #include "recording/npy_file.hpp"
+#include "recording/output_folder.hpp"
 #include "recording/png_io.hpp"
 
 namespace egofocus::recording {
@@ -88,7 +90,7 @@ ImageFact compare(const Image& image, const DepthFrame& frame, const MetricRange
   return fact;
 }
 
-void write_image(const fs::path& out, const std::vector<std::string>& methods, const Image& image,
+void write_image(const OutputFolder& out, const std::vector<std::string>& methods, const Image& image,
                  const Intrinsics& grid, const std::string& stem) {
   const auto folder = [&out](const std::string& name) {
     std::error_code error;
@@ -111,18 +113,30 @@ void write_image(const fs::path& out, const std::vector<std::string>& methods, c
   }
 }
 
-std::vector<DepthTruth> plan(const Replay& replay, std::int64_t first_us) {
+/// The truth to compare with, at most max_images of it; the rest is counted.
+std::vector<DepthTruth> plan(const Replay& replay, const std::optional<TickGrid>& grid,
+                             std::size_t max_images, SequenceScore& counts) {
   const std::vector<DepthTruth>& truth = replay.folder().truth;
   const std::string where = (replay.folder().path / "depth").string();
   if (truth.empty())
     throw Error(ExitCode::kFile, where, "holds no depth pictures: there is no truth to compare with.");
-  const double rate_hz = replay.config().rate.rate_hz;
-  std::vector<DepthTruth> planned = truth_at_ticks(truth, first_us, rate_hz, replay.last_event_us());
+  counts.truth_images = truth.size();
+  std::vector<DepthTruth> planned = plan_truth(truth, grid, replay.last_event_us(), counts);
+  const std::string none = "none of the " + std::to_string(truth.size()) + " depth pictures ";
+  if (planned.empty() && counts.without_tick == 0) {
+    throw Error(ExitCode::kNoEvents, where,
+                none + "is before the last event, at " + std::to_string(replay.last_event_us()) +
+                    " us. Are their names and the events on one clock?");
+  }
   if (planned.empty()) {
     throw Error(ExitCode::kUsage, where,
-                "none of the " + std::to_string(truth.size()) + " depth pictures is of a tick (" +
-                    std::to_string(rate_hz) + " Hz from " + std::to_string(first_us) +
-                    " us). Choose --rate and --first-tick-us so that ticks meet the truth.");
+                none + "is of a tick (" + std::to_string(grid->rate_hz) + " Hz from " +
+                    std::to_string(grid->first_us) +
+                    " us). Leave --rate and --first-tick-us out to tick at the pictures' times.");
+  }
+  if (planned.size() > max_images) {
+    counts.over_limit = planned.size() - max_images;
+    planned.resize(max_images);
   }
   return planned;
 }
@@ -141,18 +155,29 @@ bool in_ladder(double truth_m, double step_per_m, std::int32_t hypotheses) {
   return index >= 0.5 && index <= hypotheses - 1;
 }
 
-std::vector<DepthTruth> truth_at_ticks(const std::vector<DepthTruth>& truth, std::int64_t first_us,
-                                       double rate_hz, std::int64_t last_us) {
-  const auto tick_us = [&](double k) {
-    return first_us + static_cast<std::int64_t>(std::floor(k * 1e6 / rate_hz));
-  };
-  std::vector<DepthTruth> found;
-  for (const DepthTruth& item : truth) {
-    if (item.t_us < first_us || item.t_us > last_us) continue;
-    const double k = std::round(static_cast<double>(item.t_us - first_us) * rate_hz / 1e6);
-    if (tick_us(k) == item.t_us) found.push_back(item);
+bool TickGrid::has(std::int64_t t_us) const {
+  const double k = std::round((static_cast<double>(t_us) - static_cast<double>(first_us)) * rate_hz / 1e6);
+  if (!(k >= 0 && k < 0x1p53)) return false;
+  const double offset_us = std::floor(k * 1e6 / rate_hz);
+  return offset_us < 0x1p62 && t_us - static_cast<std::int64_t>(offset_us) == first_us;
+}
+
+std::vector<DepthTruth> plan_truth(const std::vector<DepthTruth>& truth, const std::optional<TickGrid>& grid,
+                                   std::int64_t last_event_us, SequenceScore& counts) {
+  std::vector<DepthTruth> planned;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const std::int64_t t_us = truth[i].t_us;
+    if (t_us > last_event_us) {
+      ++counts.after_events;
+    } else if (i > 0 && t_us == truth[i - 1].t_us) {
+      ++counts.same_time;
+    } else if (grid && !grid->has(t_us)) {
+      ++counts.without_tick;
+    } else {
+      planned.push_back(truth[i]);
+    }
   }
-  return found;
+  return planned;
 }
 
 SequenceScore evaluate(const fs::path& recording, const EvalOptions& options) {
@@ -168,16 +193,14 @@ SequenceScore evaluate(const fs::path& recording, const EvalOptions& options) {
 
   Replay& replay = *leader.replay();
   const CameraFile& camera = replay.folder().camera;
-  const std::int64_t first_us = options.first_tick_us.value_or(replay.default_first_tick_us());
-  std::vector<DepthTruth> planned = plan(replay, first_us);
+  std::optional<TickGrid> tick_grid;
+  if (options.on_grid) {
+    tick_grid = {options.first_tick_us.value_or(replay.default_first_tick_us()),
+                 replay.config().rate.rate_hz};
+  }
   SequenceScore result;
   result.recording = recording_name(recording);
-  result.truth_images = replay.folder().truth.size();
-  result.without_tick = result.truth_images - planned.size();
-  if (planned.size() > options.max_images) {
-    result.over_limit = planned.size() - options.max_images;
-    planned.resize(options.max_images);
-  }
+  const std::vector<DepthTruth> planned = plan(replay, tick_grid, options.max_images, result);
   result.median_m = median_of(planned, camera, options.range);
   result.methods.resize(options.methods.size());
   for (std::size_t i = 0; i < options.methods.size(); ++i) {
@@ -185,12 +208,17 @@ SequenceScore evaluate(const fs::path& recording, const EvalOptions& options) {
     if (options.methods[i] == "median") methods[i].set_constant(result.median_m);
   }
 
+  std::optional<OutputFolder> out;
+  if (!options.out.empty()) out.emplace(options.out / result.recording).create();
   EventMask event_mask(camera.config);
   std::int64_t before_us = std::numeric_limits<std::int64_t>::min();
-  for (EvalMethod& method : methods) method.start(first_us);
+  for (EvalMethod& method : methods) method.start(tick_grid ? tick_grid->first_us : planned.front().t_us);
   while (result.images.size() < planned.size()) {
     bool has_frame = true;
-    for (EvalMethod& method : methods) has_frame = method.tick() && has_frame;
+    for (EvalMethod& method : methods) {
+      if (!tick_grid) method.set_next_tick(planned[result.images.size()].t_us);
+      has_frame = method.tick() && has_frame;
+    }
     if (!has_frame) break;
     const DepthFrame& frame = leader.frame();
     event_mask.add(replay.events_between(before_us, frame.t_us));
@@ -203,12 +231,12 @@ SequenceScore evaluate(const fs::path& recording, const EvalOptions& options) {
     for (std::size_t m = 0; m < options.methods.size(); ++m)
       image.maps.push_back(methods[m].map(truth, camera));
     result.images.push_back(compare(image, frame, options.range, result.methods));
-    if (!options.out.empty())
-      write_image(options.out / result.recording, options.methods, image, frame.grid,
-                  truth.path.stem().string());
+    result.before_events += frame.t_us < replay.first_event_us() ? 1 : 0;
+    if (out) write_image(*out, options.methods, image, frame.grid, truth.path.stem().string());
     options.progress(result.images.size(), planned.size());
   }
   check_motion(replay);
+  if (out) out->finish();
   result.without_tick += planned.size() - result.images.size();
   return result;
 }
@@ -234,8 +262,11 @@ SequenceScore overall(const std::vector<SequenceScore>& sequences) {
   all.recording = "overall";
   for (const SequenceScore& sequence : sequences) {
     all.truth_images += sequence.truth_images;
+    all.after_events += sequence.after_events;
+    all.same_time += sequence.same_time;
     all.without_tick += sequence.without_tick;
     all.over_limit += sequence.over_limit;
+    all.before_events += sequence.before_events;
     all.images.insert(all.images.end(), sequence.images.begin(), sequence.images.end());
     all.methods.resize(sequence.methods.size());
     for (std::size_t m = 0; m < all.methods.size(); ++m) {

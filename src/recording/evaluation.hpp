@@ -1,9 +1,11 @@
-// A recording against its truth: every method at every tick that has truth, all metrics, on the same pixels.
+// A recording against its truth: every method at the time of every truth picture, all metrics, on the same
+// pixels.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,10 +68,13 @@ struct ImageFact {
 
 struct SequenceScore {
   std::string recording;
-  std::size_t truth_images = 0;  ///< in the folder
-  std::size_t without_tick = 0;  ///< of them, at no tick's time
-  std::size_t over_limit = 0;    ///< of them, left out by max_images
-  double median_m = 0;           ///< of the truth compared with
+  std::size_t truth_images = 0;   ///< in the folder: those compared, and the next four
+  std::size_t after_events = 0;   ///< later than the last event, where a replay ends
+  std::size_t same_time = 0;      ///< of the same time as the one before
+  std::size_t without_tick = 0;   ///< on a grid: at no tick's time
+  std::size_t over_limit = 0;     ///< left out by max_images
+  std::size_t before_events = 0;  ///< of those compared: earlier than the first event, so without an estimate
+  double median_m = 0;            ///< of the truth compared with
   std::vector<MethodScore> methods;
   std::vector<ImageFact> images;  ///< what was compared: the rest of truth_images
 
@@ -78,9 +83,10 @@ struct SequenceScore {
   [[nodiscard]] double outside_ladder() const;
 };
 
+/// The engines tick at the truth's times, or on a grid (EvalOptions::on_grid).
 /// Ladder, window and event pixels are those of the first method that runs an engine; without one, of the
 /// focus backend, which then runs for them. Throws Error: as open_folder() and Replay; kFile without truth,
-/// kUsage when no truth lies at a tick.
+/// kNoEvents when all truth is later than the last event, kUsage when none lies at a tick of the grid.
 [[nodiscard]] SequenceScore evaluate(const std::filesystem::path& recording, const EvalOptions& options);
 
 /// Means over all images of all sequences, which were evaluated with the same methods. median_m is 0.
@@ -90,9 +96,18 @@ struct SequenceScore {
 /// than half a step, the ladder calls it infinity; no ladder (step 0) has anything inside.
 [[nodiscard]] bool in_ladder(double truth_m, double step_per_m, std::int32_t hypotheses);
 
-/// The truths that lie at a tick t_k = first_us + floor(k * 10^6 / rate_hz) <= last_us.
-[[nodiscard]] std::vector<DepthTruth> truth_at_ticks(const std::vector<DepthTruth>& truth,
-                                                     std::int64_t first_us, double rate_hz,
-                                                     std::int64_t last_us);
+/// Ticks at a fixed rate: t_k = first_us + floor(k * 10^6 / rate_hz).
+struct TickGrid {
+  std::int64_t first_us = 0;
+  double rate_hz = 20;
+
+  [[nodiscard]] bool has(std::int64_t t_us) const;
+};
+
+/// What of the truth, ascending in time, is to be compared when the events end at last_event_us. Times rise
+/// strictly; `counts` gets after_events, same_time and without_tick.
+[[nodiscard]] std::vector<DepthTruth> plan_truth(const std::vector<DepthTruth>& truth,
+                                                 const std::optional<TickGrid>& grid,
+                                                 std::int64_t last_event_us, SequenceScore& counts);
 
 }  // namespace egofocus::recording

@@ -6,19 +6,26 @@
 
 namespace egofocus::recording {
 
-EventMask::EventMask(const Config& config) : sensor_width_px_(config.camera.intrinsics.width_px) {
+std::vector<std::int32_t> grid_pixels(const Config& config) {
   const Intrinsics& sensor = config.camera.intrinsics;
   const Intrinsics grid = working_grid(config);
   std::vector<Ray> rays(static_cast<std::size_t>(sensor.width_px) *
                         static_cast<std::size_t>(sensor.height_px));
   fill_rays(config.camera, rays);
+  std::vector<std::int32_t> pixels;
   for (const Ray& ray : rays) {
     const double u = std::floor(grid.fx_px * static_cast<double>(ray.x) + grid.cx_px + 0.5);
     const double v = std::floor(grid.fy_px * static_cast<double>(ray.y) + grid.cy_px + 0.5);
     const bool inside = u >= 0 && u < grid.width_px && v >= 0 && v < grid.height_px;
-    grid_pixel_.push_back(inside ? static_cast<std::int32_t>(v) * grid.width_px + static_cast<std::int32_t>(u)
-                                 : -1);
+    pixels.push_back(inside ? static_cast<std::int32_t>(v) * grid.width_px + static_cast<std::int32_t>(u)
+                            : -1);
   }
+  return pixels;
+}
+
+EventMask::EventMask(const Config& config)
+    : sensor_width_px_(config.camera.intrinsics.width_px), grid_pixel_(grid_pixels(config)) {
+  const Intrinsics grid = working_grid(config);
   newest_us_.assign(static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px),
                     INT64_MIN);
 }

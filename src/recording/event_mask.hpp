@@ -9,6 +9,10 @@
 
 namespace egofocus::recording {
 
+/// For each sensor pixel, row by row, the index of the grid pixel that its undistorted ray is nearest to; -1:
+/// none.
+[[nodiscard]] std::vector<std::int32_t> grid_pixels(const Config& config);
+
 /// Events count as the recording holds them, before the engine's filter and its decimation, each at the grid
 /// pixel that its undistorted ray is nearest to. A grid finer than the sensor has pixels that no event
 /// reaches.

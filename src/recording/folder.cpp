@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <system_error>
 
 #include "recording/error.hpp"
 #include "recording/png_io.hpp"
@@ -13,6 +14,8 @@ namespace egofocus::recording {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::int64_t kFarthestUs = std::int64_t{1} << 60;  // differences of times never overflow
 
 bool is_there(const fs::path& path) {
   std::error_code ignored;
@@ -26,14 +29,17 @@ std::vector<DepthTruth> list_truth(const fs::path& folder) {
     if (entry.path().extension() != ".png") continue;
     const std::string stem = entry.path().stem().string();
     DepthTruth item{0, entry.path()};
-    if (std::from_chars(stem.data(), stem.data() + stem.size(), item.t_us).ptr != stem.data() + stem.size()) {
+    const char* const end = stem.data() + stem.size();
+    if (const auto [stop, error] = std::from_chars(stem.data(), end, item.t_us);
+        stop != end || error != std::errc() || item.t_us < -kFarthestUs || item.t_us > kFarthestUs) {
       throw Error(ExitCode::kBadFile, entry.path().string(),
                   "the name of a depth picture is its time in microseconds, such as 000000123456.png.");
     }
     truth.push_back(std::move(item));
   }
-  std::sort(truth.begin(), truth.end(),
-            [](const DepthTruth& a, const DepthTruth& b) { return a.t_us < b.t_us; });
+  std::sort(truth.begin(), truth.end(), [](const DepthTruth& a, const DepthTruth& b) {
+    return a.t_us != b.t_us ? a.t_us < b.t_us : a.path < b.path;
+  });
   return truth;
 }
 
@@ -94,7 +100,7 @@ std::string depth_name(std::int64_t t_us) {
   return "depth/" + std::string(digits.size() < 12 ? 12 - digits.size() : 0, '0') + digits + ".png";
 }
 
-Folder open_folder(const fs::path& path, std::optional<MotionSource> source) {
+Folder open_events_and_truth(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) {
     throw Error(ExitCode::kFile, path.string(),
@@ -104,16 +110,21 @@ Folder open_folder(const fs::path& path, std::optional<MotionSource> source) {
   Folder folder;
   folder.path = path;
   folder.camera = read_camera_toml(path / "camera.toml");
-  if (source) folder.camera.config.motion.source = *source;
   folder.events = MappedFile(path / "events.raw");
   if (folder.events.bytes().empty()) {
     throw Error(ExitCode::kNoEvents, (path / "events.raw").string(),
                 "is empty. Record again, or convert the text set again.");
   }
+  folder.truth = list_truth(path / "depth");
+  return folder;
+}
+
+Folder open_folder(const fs::path& path, std::optional<MotionSource> source) {
+  Folder folder = open_events_and_truth(path);
+  if (source) folder.camera.config.motion.source = *source;
   load_can(folder);
   load_poses(folder);
   check_motion(folder);
-  folder.truth = list_truth(path / "depth");
   return folder;
 }
 

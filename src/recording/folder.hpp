@@ -35,7 +35,7 @@ struct Folder {
   std::string dbc;                ///< text of the DBC; empty when there is none
   MappedFile pose_file;           ///< poses.txt; empty when there is none
   std::vector<PoseSample> poses;  ///< the same, parsed
-  std::vector<DepthTruth> truth;  ///< ascending in time
+  std::vector<DepthTruth> truth;  ///< ascending in time, then by name
 
   /// The truth at exactly this time, if there is one.
   [[nodiscard]] const DepthTruth* truth_at(std::int64_t t_us) const;
@@ -44,6 +44,10 @@ struct Folder {
 /// Opens and checks. `source` overrides [motion] source. Throws Error: kFile (missing), kBadFile,
 /// kConfiguration, and kMotion when the wanted motion is not there or has an interior gap.
 [[nodiscard]] Folder open_folder(const std::filesystem::path& path, std::optional<MotionSource> source = {});
+
+/// The same without motion: camera, events and truth alone. Throws Error: kFile, kBadFile, kConfiguration,
+/// kNoEvents.
+[[nodiscard]] Folder open_events_and_truth(const std::filesystem::path& path);
 
 /// Is this a folder with an events.raw in it?
 [[nodiscard]] bool is_recording(const std::filesystem::path& path);

@@ -32,7 +32,7 @@ OutputFolder::OutputFolder(fs::path output) : output_(without_trailing_slash(std
   std::error_code ignored;
   if (output_.empty() || (fs::exists(output_, ignored) && !is_empty_folder(output_))) {
     throw Error(ExitCode::kUsage, output_.string(),
-                "is there already and is no empty folder. Choose another name for the recording.");
+                "is there already and is no empty folder. Choose another name, or remove it first.");
   }
 }
 

@@ -2,6 +2,7 @@
 // they work on plain pointers, and their callers own the memory and the file.
 #include "recording/png_io.hpp"
 
+#include <cerrno>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <string>
 
 #include "recording/error.hpp"
+#include "recording/whole_file.hpp"
 
 #ifdef EGOFOCUS_HAVE_PNG
 #include <png.h>
@@ -30,7 +32,7 @@ void on_error(png_structp png, png_const_charp text) {
 
 void on_warning(png_structp, png_const_charp) {}
 
-struct FileCloser {
+struct FileCloser {  // of files that are read
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 using File = std::unique_ptr<std::FILE, FileCloser>;
@@ -116,21 +118,16 @@ unsigned char* allocate_picture(void* picture, png_uint_32 width, png_uint_32 he
 
 template <typename Pixel>
 void write_picture(const std::filesystem::path& path, const Picture<Pixel>& picture, const Form& form) {
-  File file(std::fopen(path.c_str(), "wb"));
-  if (!file)
-    throw Error(ExitCode::kFile, path.string(),
-                "cannot be written. Does the folder exist, and may you write there?");
+  WholeFile file(path);
   Message message;
-  const bool done = write_pixels(file.get(), &message, &form, static_cast<png_uint_32>(picture.width_px),
-                                 static_cast<png_uint_32>(picture.height_px),
-                                 reinterpret_cast<const unsigned char*>(picture.pixels.data()),
-                                 static_cast<std::size_t>(picture.width_px) * sizeof(Pixel));
-  const bool closed = std::fclose(file.release()) == 0;
-  if (!done || !closed) {
-    throw Error(
-        ExitCode::kFile, path.string(),
-        std::string("could not be written completely (") + (done ? "disk full?" : message.text) + ").");
+  errno = 0;
+  if (!write_pixels(file.file(), &message, &form, static_cast<png_uint_32>(picture.width_px),
+                    static_cast<png_uint_32>(picture.height_px),
+                    reinterpret_cast<const unsigned char*>(picture.pixels.data()),
+                    static_cast<std::size_t>(picture.width_px) * sizeof(Pixel))) {
+    file.refuse(message.text);
   }
+  file.finish();
 }
 
 template <typename Pixel>

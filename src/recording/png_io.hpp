@@ -11,7 +11,7 @@ namespace egofocus::recording {
 /// Was the library built with libpng?
 [[nodiscard]] bool png_available() noexcept;
 
-/// Overwrites the file. Throws Error (kFile) when it cannot be written.
+/// Overwrites the file, whole or not at all. Throws Error (kFile) when it cannot be written.
 void write_png(const std::filesystem::path& path, const GreyPicture& picture);
 void write_png(const std::filesystem::path& path, const Grey16Picture& picture);
 void write_png(const std::filesystem::path& path, const RgbPicture& picture);

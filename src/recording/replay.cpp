@@ -64,12 +64,12 @@ void Replay::scan_events() {
                     " px, but " + where + " is " + std::to_string(header.size.width_px) + "x" +
                     std::to_string(header.size.height_px) + ". Use the calibration of this sensor.");
   }
-  reader_.left = folder_.events.bytes().subspan(header.header_bytes);
-  reader_.decoder = std::make_unique<EvtDecoder>(header.format, header.size);
-  cut_off_bytes_ = reader_.left.size() % word_bytes(header.format);
+  reader_.emplace(folder_.events.bytes(), header);
+  const std::span<const std::byte> words = folder_.events.bytes().subspan(header.header_bytes);
+  cut_off_bytes_ = words.size() % word_bytes(header.format);
   EvtDecoder scanner(header.format, header.size);
   std::vector<Event> batch(kBatch);
-  for (std::span<const std::byte> left = reader_.left;;) {
+  for (std::span<const std::byte> left = words;;) {
     const Decoded done = scanner.feed(left, batch);
     if (done.produced > 0 && event_count_ == 0) first_event_us_ = batch[0].t_us;
     for (std::size_t i = 0; i < done.produced; ++i) last_event_us_ = std::max(last_event_us_, batch[i].t_us);
@@ -90,27 +90,17 @@ void Replay::start(std::int64_t first_tick_us) {
   require(engine_.start(ClockKind::kVirtual, first_tick_us), folder_.path.string(), ExitCode::kBadFile);
 }
 
+void Replay::set_next_tick(std::int64_t t_us) {
+  require(engine_.set_next_tick(t_us), folder_.path.string(), ExitCode::kInternal);
+}
+
 bool Replay::tick(DepthFrame& frame) {
   if (engine_.next_tick_us() > last_event_us_) return false;
   return engine_.tick() && engine_.newest(frame);
 }
 
 std::span<const Event> Replay::events_between(std::int64_t first_us, std::int64_t last_us) {
-  EventReader& r = reader_;
-  r.events.erase(r.events.begin(), r.events.begin() + static_cast<std::ptrdiff_t>(r.next));
-  std::vector<Event> batch(kBatch);
-  while (r.events.empty() || r.events.back().t_us <= last_us) {
-    const Decoded done = r.decoder->feed(r.left, batch);
-    if (done.produced == 0) break;
-    r.left = r.left.subspan(done.consumed);
-    r.events.insert(r.events.end(), batch.begin(),
-                    batch.begin() + static_cast<std::ptrdiff_t>(done.produced));
-  }
-  const auto after = [](std::int64_t t_us, const Event& event) { return t_us < event.t_us; };
-  const auto begin = std::upper_bound(r.events.begin(), r.events.end(), first_us, after);
-  const auto end = std::upper_bound(begin, r.events.end(), last_us, after);
-  r.next = static_cast<std::size_t>(end - r.events.begin());
-  return {begin, end};
+  return reader_->between(first_us, last_us);
 }
 
 void check_motion(Replay& replay) {

@@ -14,6 +14,7 @@
 #include "hal/evt_decoder.hpp"
 #include "hal/replay_source.hpp"
 #include "recording/error.hpp"
+#include "recording/event_reader.hpp"
 #include "recording/folder.hpp"
 
 namespace egofocus::recording {
@@ -36,6 +37,10 @@ class Replay {
 
   void start(std::int64_t first_tick_us);
 
+  /// The next tick at this time instead of the grid's next point. Throws Error (kInternal) when the last tick
+  /// was not before it.
+  void set_next_tick(std::int64_t t_us);
+
   /// One tick. False at the end: the source has ended, or no event is left for the next tick.
   bool tick(DepthFrame& frame);
 
@@ -56,13 +61,6 @@ class Replay {
  private:
   void scan_events();
 
-  // A second reader of the same events, for pictures.
-  struct EventReader {
-    std::unique_ptr<EvtDecoder> decoder;
-    std::span<const std::byte> left;
-    std::vector<Event> events;
-    std::size_t next = 0;
-  };
   struct FreeArena {
     void operator()(void* block) const { std::free(block); }
   };
@@ -70,7 +68,7 @@ class Replay {
   Folder folder_;
   std::unique_ptr<CanMotionDecoder> can_motion_;
   std::unique_ptr<ReplaySource> source_;
-  EventReader reader_;
+  std::optional<EventReader> reader_;  // of the same events, for pictures
   std::int64_t first_event_us_ = 0;
   std::int64_t last_event_us_ = 0;
   std::uint64_t event_count_ = 0;

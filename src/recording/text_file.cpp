@@ -1,8 +1,13 @@
 #include "recording/text_file.hpp"
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <fstream>
+#include <iostream>
 
 #include "recording/error.hpp"
+#include "recording/whole_file.hpp"
 
 namespace egofocus::recording {
 
@@ -20,12 +25,17 @@ std::string read_text_file(const std::filesystem::path& path) {
 }
 
 void write_text_file(const std::filesystem::path& path, std::string_view text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(text.data(), static_cast<std::streamsize>(text.size()));
-  file.close();
-  if (!file)
-    throw Error(ExitCode::kFile, path.string(),
-                "cannot be written. Does the folder exist, is the disk full?");
+  WholeFile file(path);
+  file.write(text);
+  file.finish();
+}
+
+void flush_standard_output() {
+  std::cout.flush();
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return;
+  const std::string reason = errno != 0 ? std::strerror(errno) : "not all bytes were taken";
+  throw Error(ExitCode::kFile, "standard output", "cannot be written (" + reason + "). Is the disk full?");
 }
 
 }  // namespace egofocus::recording

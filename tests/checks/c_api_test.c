@@ -103,6 +103,7 @@ static void test_a_run(void) {
   egofocus_depth_frame frame;
   EXPECT(egofocus_newest(engine, &frame) == 0);
   EXPECT(egofocus_start(engine, 7, 0).code == EGOFOCUS_BAD_STATE);
+  EXPECT(egofocus_set_next_tick(engine, 0).code == EGOFOCUS_BAD_STATE);
   EXPECT(egofocus_start(engine, EGOFOCUS_CLOCK_VIRTUAL, 150000).code == EGOFOCUS_OK);
   EXPECT(egofocus_next_tick_us(engine) == 150000);
   push_motion_and_events(engine);
@@ -118,6 +119,12 @@ static void test_a_run(void) {
   egofocus_read_health(engine, &health);
   EXPECT(health.events.in == 8000 && health.poses.used > 0 && health.ticks.run == 1);
   EXPECT(strlen(egofocus_isa(engine)) > 0 && strlen(egofocus_cause_text(health.cause)) > 0);
+  EXPECT(egofocus_next_tick_us(engine) == 200000);
+  EXPECT(egofocus_set_next_tick(engine, 150000).code == EGOFOCUS_BAD_TICK);
+  EXPECT(egofocus_set_next_tick(engine, 163003).code == EGOFOCUS_OK);
+  EXPECT(egofocus_next_tick_us(engine) == 163003);
+  EXPECT(egofocus_tick(engine) == 1 && egofocus_newest(engine, &frame) == 1);
+  EXPECT(frame.t_us == 163003 && frame.sequence == 1);
   egofocus_request_stop(engine);
   EXPECT(egofocus_tick(engine) == 0);
   egofocus_stop(engine);

@@ -240,6 +240,8 @@ TEST_CASE("1,000 ticks with real work allocate, lock and throw nothing") {
       engine->inlets().push(f.odometry);
       engine->inlets().push(f.imu);
     }
+    // Where the grid has it anyway; refused under the monotonic clock.
+    static_cast<void>(engine->set_next_tick(engine->next_tick_us()));
     static_cast<void>(engine->tick());
     DepthFrame frame;
     static_cast<void>(engine->newest(frame));

@@ -133,6 +133,27 @@ TEST_CASE("the monotonic clock does not go back, and sleeps at least as long as 
   CHECK(clock.now_us(clock.self) < until + 10'000'000);
 }
 
+TEST_CASE("the grid goes on from where it was moved to") {
+  Scheduler scheduler;
+  RateConfig config;
+  config.rate_hz = 30;
+  scheduler.start(config, 1000);
+  scheduler.advance();
+  scheduler.advance();
+  scheduler.move_to(500'000);
+  CHECK(scheduler.tick_us() == 500'000);
+  CHECK(scheduler.index() == 2);
+  scheduler.advance();
+  CHECK(scheduler.tick_us() == 533'333);
+  scheduler.advance();
+  CHECK(scheduler.tick_us() == 566'666);
+  CHECK(scheduler.advance(10'500'000) == 297);  // 500'000 + 300 periods is due right then
+  CHECK(scheduler.tick_us() == 10'500'000);
+  CHECK(scheduler.index() == 302);
+  scheduler.start(config, 7);
+  CHECK(scheduler.tick_us() == 7);
+}
+
 TEST_CASE("a rate that cannot be kept is refused") {
   RateConfig config;
   CHECK(Scheduler::check(config).ok());

@@ -5,6 +5,7 @@ usage: eval_numpy_test.py RECORDING -- COMMAND...       exit code 1 when a numbe
 """
 import json
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -210,7 +211,7 @@ def mean_of(list_of_metrics, name):
 def evaluate(recording, maps, report, checker):
     """`maps`: method -> function (stem) -> (depth, confidence or None)."""
     entry = report["recordings"][0]
-    files = {int(path.stem): path for path in (recording / "depth").glob("*.png")}
+    files = {int(path.stem): path for path in sorted((recording / "depth").glob("*.png"), reverse=True)}
     truths, estimates, sets = [], {method: [] for method in maps}, []
     values = []
     for image in entry["images"]:
@@ -275,6 +276,26 @@ def evaluate(recording, maps, report, checker):
             assert "sparsification" not in method
 
 
+def irregular_copy(recording, folder):
+    """The same with its truth at times of its own: 10 Hz with jitter, one picture twice, some outside the events."""
+    folder.mkdir()
+    for path in recording.iterdir():
+        if path.name != "depth":
+            (folder / path.name).symlink_to(path.resolve())
+    (folder / "depth").mkdir()
+    random = np.random.default_rng(8)
+    times = {}
+    for path in sorted((recording / "depth").glob("*.png"))[7::2]:
+        t_us = int(path.stem) + int(random.choice([-2900, -3, 1, 17, 4001]))
+        (folder / "depth" / f"{t_us:012d}.png").symlink_to(path.resolve())
+        times[t_us] = path
+    first = sorted(times)[0]
+    (folder / "depth" / f"{first}.png").symlink_to(times[first].resolve())
+    for t_us in (3_000_000, 3_000_001):
+        (folder / "depth" / f"{t_us:012d}.png").symlink_to(times[first].resolve())
+    return sorted(times)
+
+
 def main():
     split = sys.argv.index("--")
     recording, command = pathlib.Path(sys.argv[1]), sys.argv[split + 1:]
@@ -282,7 +303,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
 
-        def run(*options):
+        def run(*options, recording=recording):
+            shutil.rmtree(work / "out", ignore_errors=True)
             subprocess.run(command + ["eval", str(recording), "--cut", str(CUT), "--clip", f"{CLIP_MIN}:{CLIP_MAX}",
                                       "--json", str(work / "scores.json"), "--out", str(work / "out"),
                                       *options], check=True, stdout=subprocess.DEVNULL)
@@ -307,6 +329,21 @@ def main():
 
         check_event_pixels(recording, report["recordings"][0]["images"], out, checker)
 
+        # Truth at times of its own, on no grid: all of it is compared, at its very times.
+        irregular = work / "irregular"
+        times = irregular_copy(recording, irregular)
+        report = run("--methods", "focus,median", "--limit", "9", recording=irregular)
+        entry = report["recordings"][0]
+        counts = [entry[key] for key in ("compared", "after_events", "same_time", "without_tick", "over_limit")]
+        assert counts == [9, 2, 1, 0, len(times) - 9], counts
+        assert [image["t_us"] for image in entry["images"]] == times[:9]
+        assert len(set(t_us % 50000 for t_us in times[:9])) > 3
+        assert entry["methods"][0]["all_common"]["images"] > 5
+        out = work / "out" / irregular.name
+        evaluate(irregular, {"focus": written("focus", True)}, report, checker)
+        check_event_pixels(irregular, entry["images"], out, checker)
+        out = work / "out" / recording.name
+
         # Somebody's maps: noisy, with holes and infinity.
         maps = work / "maps"
         maps.mkdir()
@@ -317,8 +354,9 @@ def main():
             noisy[random.uniform(size=raw.shape) < 0.1] = 0
             noisy[random.uniform(size=raw.shape) < 0.1] = 65535
             write_png16(maps / path.name, noisy)
-        report = run("--methods", "maps,median", "--maps", str(maps), "--first-tick-us", "1450000", "--limit", "4")
-        assert report["recordings"][0]["images"][0]["t_us"] == 1450000
+        report = run("--methods", "maps,median", "--maps", str(maps), "--first-tick-us", "1450000", "--rate", "10",
+                     "--limit", "4")
+        assert [image["t_us"] for image in report["recordings"][0]["images"]] == [1450000, 1550000, 1650000, 1750000]
         evaluate(recording, {"maps": lambda stem: (metres(read_png16(maps / f"{stem}.png")), None)}, report, checker)
     print(f"{checker.compared} numbers compared, {checker.failures} differ")
     return 1 if checker.failures or checker.compared < 600 else 0

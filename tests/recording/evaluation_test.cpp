@@ -20,14 +20,37 @@ std::vector<std::int64_t> times_of(const std::vector<DepthTruth>& truth) {
 
 }  // namespace
 
-TEST_CASE("truth is compared at the very time of a tick") {
+TEST_CASE("on a grid, truth is compared at the very time of a tick") {
   const std::vector<DepthTruth> truth{{0, ""},     {100, ""},   {33433, ""},
                                       {66766, ""}, {66767, ""}, {100100, ""}};
   // 30 Hz from 100 us: 100, 33433.3, 66766.7, 100100.
-  CHECK(times_of(truth_at_ticks(truth, 100, 30, 1'000'000)) ==
-        std::vector<std::int64_t>{100, 33433, 66766, 100100});
-  CHECK(times_of(truth_at_ticks(truth, 100, 30, 100'099)) == std::vector<std::int64_t>{100, 33433, 66766});
-  CHECK(truth_at_ticks(truth, 1, 30, 30'000).empty());
+  const auto planned = [&truth](const TickGrid& grid, std::int64_t last_us) {
+    SequenceScore counts;
+    auto found = times_of(plan_truth(truth, grid, last_us, counts));
+    CHECK(found.size() + counts.without_tick + counts.after_events + counts.same_time == truth.size());
+    return found;
+  };
+  CHECK(planned({100, 30}, 1'000'000) == std::vector<std::int64_t>{100, 33433, 66766, 100100});
+  CHECK(planned({100, 30}, 100'099) == std::vector<std::int64_t>{100, 33433, 66766});
+  CHECK(planned({1, 30}, 30'000).empty());
+  const std::int64_t far = std::int64_t{1} << 60;
+  CHECK_FALSE(TickGrid{-far, 1000}.has(far + 1));
+  CHECK_FALSE(TickGrid{far, 1000}.has(-far));
+}
+
+TEST_CASE("without a grid, all truth up to the last event is compared, each time once") {
+  const std::vector<DepthTruth> truth{{-7, "-7.png"},     {0, "0.png"},      {0, "00.png"},
+                                      {0, "000.png"},     {33433, "a.png"},  {50001, "b.png"},
+                                      {50002, "c.png"},   {50002, "d.png"},  {100'000, "e.png"},
+                                      {100'001, "f.png"}, {100'001, "g.png"}};
+  SequenceScore counts;
+  const std::vector<DepthTruth> planned = plan_truth(truth, {}, 100'000, counts);
+  CHECK(times_of(planned) == std::vector<std::int64_t>{-7, 0, 33433, 50001, 50002, 100'000});
+  CHECK(planned[1].path == "0.png");
+  CHECK(planned[4].path == "c.png");
+  CHECK(counts.same_time == 3);
+  CHECK(counts.after_events == 2);
+  CHECK(counts.without_tick == 0);
 }
 
 TEST_CASE("a pixel has an event if one of the window fell there") {
@@ -78,6 +101,9 @@ TEST_CASE("overall is the mean over all images, not over recordings") {
     SequenceScore score;
     score.truth_images = errors.size() + 1;
     score.without_tick = 1;
+    score.after_events = 2;
+    score.same_time = 3;
+    score.before_events = 4;
     score.methods.resize(1);
     for (const double error : errors) {
       Metrics metrics{};
@@ -97,6 +123,9 @@ TEST_CASE("overall is the mean over all images, not over recordings") {
   CHECK(all.methods[0].coverage.value() == Approx(4));
   CHECK(all.truth_images == 6);
   CHECK(all.without_tick == 2);
+  CHECK(all.after_events == 4);
+  CHECK(all.same_time == 6);
+  CHECK(all.before_events == 8);
   CHECK(all.images_without_ladder() == 1);
   CHECK(all.outside_ladder() == Approx(0.6));
   CHECK(std::isnan(sequence({1}).outside_ladder()));

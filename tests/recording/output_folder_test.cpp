@@ -9,6 +9,7 @@
 #include "recording/rigid_transform.hpp"
 #include "recording/temporary_folder.hpp"
 #include "recording/text_file.hpp"
+#include "recording/whole_file.hpp"
 
 using namespace egofocus;
 using namespace egofocus::recording;
@@ -55,6 +56,27 @@ TEST_CASE("an output where nobody may write is a message") {
   write_text_file(at / "file", "");
   OutputFolder below(at / "file/out");
   CHECK_THROWS_WITH(below.create(), Contains("cannot be made"));
+}
+
+TEST_CASE("a file appears whole or not at all") {
+  const TemporaryFolder at;
+  write_text_file(at / "file", "old");
+  fs::create_symlink("file", at / "link");
+  {
+    WholeFile file(at / "link");
+    file.write("half");
+    CHECK(read_text_file(at / "file") == "old");
+  }
+  CHECK(read_text_file(at / "file") == "old");
+  WholeFile file(at / "link");
+  file.write("who");
+  file.write("le");
+  file.finish();
+  CHECK(read_text_file(at / "file") == "whole");
+  CHECK(fs::is_symlink(at / "link"));
+  CHECK(std::distance(fs::directory_iterator(at.path()), {}) == 2);
+  CHECK_THROWS_WITH(WholeFile(at / "no/file"), Contains("No such file or directory"));
+  CHECK_THROWS_WITH(write_text_file(at.path(), "a folder"), Contains("cannot be written"));
 }
 
 TEST_CASE("rotations become quaternions of any angle") {

@@ -8,6 +8,7 @@
 #include "citysim/realism.hpp"
 #include "egofocus/version.hpp"
 #include "recording/error.hpp"
+#include "recording/text_file.hpp"
 
 namespace {
 
@@ -44,11 +45,18 @@ int run(std::vector<std::string> arguments) {
 int main(int argc, char** argv) {
   using egofocus::recording::Error;
   using egofocus::recording::ExitCode;
-  try {
-    return run(std::vector<std::string>(argv + 1, argv + argc));
-  } catch (const Error& error) {
+  const auto complain = [](const Error& error) {
     std::fprintf(stderr, "citysim: %s\n", error.what());
     return error.exit_code();
+  };
+  try {
+    const int code = run(std::vector<std::string>(argv + 1, argv + argc));
+    egofocus::recording::flush_standard_output();
+    return code;
+  } catch (const Error& error) {
+    return complain(error);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return complain(egofocus::recording::refused(error));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "citysim: internal error: %s\n", error.what());
     return static_cast<int>(ExitCode::kInternal);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <utility>
 #include <vector>
 
 #include "citysim/film.hpp"
@@ -75,7 +76,7 @@ std::string raw_header(const RecordingOptions& options) {
 void append(const fs::path& path, std::span<const std::byte> bytes) {
   std::ofstream file(path, std::ios::binary | std::ios::app);
   file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.flush();
+  file.close();
   if (!file) throw Error(ExitCode::kFile, path.string(), "cannot be written. Is the disk full?");
 }
 
@@ -152,14 +153,28 @@ Saved load_saved(const fs::path& partial, const Saved& wanted, std::vector<std::
   return saved;
 }
 
-/// Written beside and renamed: a kill leaves the old state or the new one.
+/// Whole or not at all: a kill leaves the old state or the new one.
 void save(const fs::path& partial, const Saved& saved, std::span<const std::uint8_t> state) {
   std::string bytes(reinterpret_cast<const char*>(&saved), sizeof saved);
   bytes.append(reinterpret_cast<const char*>(state.data()), state.size());
-  const fs::path beside = partial / "resume.new";
-  recording::write_text_file(beside, bytes);
-  fs::rename(beside, partial / kSavedName);
+  recording::write_text_file(partial / kSavedName, bytes);
 }
+
+/// A partial folder that nobody can go on with is removed.
+class UntilSaved {
+ public:
+  explicit UntilSaved(fs::path partial) : partial_(std::move(partial)) {}
+  ~UntilSaved() {
+    std::error_code ignored;
+    if (!partial_.empty()) fs::remove_all(partial_, ignored);
+  }
+  UntilSaved(const UntilSaved&) = delete;
+  UntilSaved& operator=(const UntilSaved&) = delete;
+  void saved() { partial_.clear(); }
+
+ private:
+  fs::path partial_;
+};
 
 }  // namespace
 
@@ -196,6 +211,7 @@ RecordingReport write_recording(const RecordingOptions& options, const fs::path&
   RecordingReport report;
   report.resumed_at = saved.done;
   if (state.empty()) {
+    UntilSaved fresh(partial);
     std::error_code failure;
     fs::create_directories(partial / "depth", failure);
     if (options.pictures && !failure) fs::create_directories(partial / "pictures/grey", failure);
@@ -208,6 +224,7 @@ RecordingReport write_recording(const RecordingOptions& options, const fs::path&
     recording::write_text_file(raw, header);
     saved.raw_bytes = header.size();
     save(partial, saved, film.state());
+    fresh.saved();
   } else {
     film.restore(state);
     fs::resize_file(raw, saved.raw_bytes);

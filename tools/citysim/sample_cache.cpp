@@ -1,7 +1,6 @@
 #include "citysim/sample_cache.hpp"
 
 #include <cstdio>
-#include <fstream>
 #include <mutex>
 
 #include "citysim/sample.hpp"
@@ -82,13 +81,6 @@ std::vector<std::byte> make_shard(const SampleOptions& options, int shard,
   return bytes;
 }
 
-void write_whole(const fs::path& path, std::span<const std::byte> bytes) {
-  fs::path partial = path;
-  partial += ".partial";
-  recording::write_text_file(partial, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  fs::rename(partial, path);
-}
-
 }  // namespace
 
 fs::path shard_path(const fs::path& folder, int shard) {
@@ -120,7 +112,9 @@ int fill_sample_cache(const SampleOptions& options, const fs::path& folder) {
   Workers workers(options.threads);
   workers.for_each(static_cast<int>(missing.size()), [&](int i) {
     const int shard = missing[static_cast<std::size_t>(i)];
-    write_whole(shard_path(folder, shard), make_shard(options, shard, libraries.of_shard(shard)));
+    const std::vector<std::byte> bytes = make_shard(options, shard, libraries.of_shard(shard));
+    recording::write_text_file(shard_path(folder, shard),
+                               {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     const std::lock_guard lock(mutex);
     ++done;
     if (options.progress) options.progress(done, shards);
