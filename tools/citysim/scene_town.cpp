@@ -172,13 +172,14 @@ Scene make_town(const TownStyle& style, const TownWay& way, std::shared_ptr<cons
   sky.to_sun = {cosine(height) * cosine(angle), cosine(height) * sine(angle), sine(height)};
   if (style.night) {
     sky.sun = 0;
-    sky.ambient = random.log_uniform(0.001, 0.006);
+    sky.ambient = random.log_uniform(0.001, 0.01);
     sky.zenith = 0.3 * sky.ambient;
     sky.horizon = sky.ambient;
     sky.clouds = 0.2;
     scene.flicker_depth = random.uniform(0.05, 0.35);
     scene.flicker_hz = random.chance(0.7) ? 100 : 120;
-    scene.headlight = random.uniform(0.5, 3.0);
+    // 1 is about 200 lux, so a low beam's 10,000 cd and more are 30 and more, but not all around.
+    scene.headlight = way.on_pavement ? random.log_uniform(0.5, 4.0) : random.log_uniform(3.0, 30.0);
   } else {
     const bool overcast = random.chance(0.4);
     sky.sun = overcast ? 0.1 : random.uniform(0.5, 1.0);
@@ -188,8 +189,9 @@ Scene make_town(const TownStyle& style, const TownWay& way, std::shared_ptr<cons
     sky.clouds = random.uniform(0.0, 0.35);
     sky.haze_m = random.chance(0.3) ? random.uniform(300, 1500) : 0.0;
   }
-  const double right = way.on_pavement ? style.street_half_m + 0.45 * style.pavement_m : lane_m(style);
+  const double right = way.on_pavement ? style.street_half_m + 0.5 * style.pavement_m : lane_m(style);
   scene.ways.route = plan.route(right, way.on_pavement ? 2.0 : random.uniform(8, 20));
+  if (way.on_pavement) scene.ways.route.half_width_m = 0.6;
   finish_scene(scene);
   return scene;
 }

@@ -18,20 +18,22 @@ class Furnisher {
   /// What stands on the pavement to the right of the way along (or against) the street, and at the kerb.
   void furnish(const Street& street, bool against) {
     const double side = against ? 1.0 : -1.0;
-    const double kerb = style_.street_half_m + 0.35;
+    // Where the robot goes along the pavement it must get through.
+    const bool way = on_pavement_ && !(against ? street.free_against : street.free_along);
+    const double kerb = style_.street_half_m + (way ? 0.15 : 0.35);
     const double wall = style_.street_half_m + style_.pavement_m;
     Mesh mesh;
     double lamp_at = street.from + style_.lamp_m * random_.uniform(0.2, 0.8);
     for (double s = street.from + 3; s < street.to - 3; s += random_.uniform(3.0, 6.0)) {
       if (random_.chance(0.35 * style_.trees))
-        add_tree(mesh, street.place(s, side * (kerb + 0.3), against), library_, random_);
+        add_tree(mesh, street.place(s, side * (kerb + (way ? 0.0 : 0.3)), against), library_, random_);
       else if (random_.chance(0.12))
         add_sign(mesh, street.place(s, side * kerb, against), library_, random_);
       else if (random_.chance(0.3 * style_.clutter)) {
-        add_clutter(mesh, street.place(s, side * (wall - 0.4), against), random_.uniform(0.4, 1.0), library_,
-                    random_);
+        add_clutter(mesh, street.place(s, side * (wall - (way ? 0.2 : 0.4)), against),
+                    way ? random_.uniform(0.2, 0.45) : random_.uniform(0.3, 1.0), library_, random_);
       } else if (random_.chance(0.25 * style_.clutter)) {
-        add_bush(mesh, street.place(s, side * (wall + 0.4), against), library_, random_);
+        add_bush(mesh, street.place(s, side * (wall + (way ? 0.9 : 0.4)), against), library_, random_);
       }
       place_object(mesh);
     }
@@ -46,16 +48,19 @@ class Furnisher {
       const double height = random_.uniform(4.2, 6.5);
       const Vec3 head = add_lamp_post(mesh, base, height, 1.2, style_.night, library_, random_);
       place_object(mesh);
-      if (style_.night) scene_.lamps.push_back({head, random_.uniform(0.6, 2.2), random_.chance(0.5)});
+      if (style_.night) scene_.lamps.push_back({head, random_.log_uniform(1.5, 8.0), random_.chance(0.5)});
     }
-    for (double s = street.from; s < street.to; s += random_.uniform(8, 25)) {
+    // A robot on the pavement crosses the side streets at their ends.
+    const double clear = on_pavement_ ? style_.pavement_m + 1.0 : 0.0;
+    const double end = street.to - clear;
+    for (double s = street.from + clear; s < end; s += random_.uniform(8, 25)) {
       if (!random_.chance(style_.people)) continue;
-      if (on_pavement_ && !(against ? street.free_against : street.free_along)) continue;
+      if (way) continue;
       add_person(mesh, Place{}, library_, random_);
       const double d =
           side * (style_.street_half_m + random_.uniform(0.6, std::max(0.7, style_.pavement_m - 0.3)));
       const double pace = random_.chance(0.25) ? 0.0 : random_.uniform(0.6, 1.8);
-      move(mesh, street, s, std::min(s + 14.0, street.to), d, kKerb_m, pace, random_.chance(0.5));
+      move(mesh, street, s, std::min(s + 14.0, end), d, kKerb_m, pace, random_.chance(0.5));
     }
   }
 
@@ -64,7 +69,8 @@ class Furnisher {
       if (!(against ? street.free_against : street.free_along) || !random_.chance(style_.traffic)) continue;
       Mesh mesh;
       add_car(mesh, Place{}, library_, style_.night, random_);
-      move(mesh, street, street.from, street.to, (against ? 1.0 : -1.0) * lane_m(style_), 0,
+      const double clear = on_pavement_ ? style_.pavement_m + 3.5 : 0.0;
+      move(mesh, street, street.from + clear, street.to - clear, (against ? 1.0 : -1.0) * lane_m(style_), 0,
            random_.uniform(3, 14), against);
     }
   }
@@ -80,7 +86,7 @@ class Furnisher {
         // The front looks to the street, so x runs with the street on its right side, against it on its left.
         Place base = street.place(s + 0.5 * length, side * (front + back), against);
         base.origin = base.origin - Vec3{0, 0, 0.7};
-        add_house(mesh, base, length, random_.uniform(7, 12), library_, random_);
+        add_house(mesh, base, length, random_.uniform(7, 12), style_.night, library_, random_);
         place_object(mesh);
         if (back > 1.5 && random_.chance(0.5)) {  // a fence or hedge at the pavement
           Place fence = street.place(s + 0.5 * length, side * front, against);
