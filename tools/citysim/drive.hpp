@@ -24,7 +24,7 @@ struct DriveStyle {
   double max_yaw_rate_rad_s = 0.7;
   double smoothing_s = 0.3;     ///< accelerations change within twice this time
   double stop_every_m = 160;    ///< mean way between two stops of 1-4 s; 0: none on the way
-  double start_standing = 0.5;  ///< chance; else the recording begins at speed
+  double start_standing = 0.35;  ///< chance; else the recording begins at speed
   double hesitation = 0.35;     ///< a piece is driven at 1 - this .. 1 of its limit
   PathStyle path;
   double pitch_rad_per_m_s2 = 0.0045;  ///< nose down under braking
