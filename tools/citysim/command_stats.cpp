@@ -13,7 +13,8 @@ namespace {
 
 constexpr const char* kExamples = R"(
 Depth bins, in metres, and the sky; textureless: the log light of the 5x5 pixels around varies by less than 0.08;
-nearer, farther: outside the parallax ladder of the true motion, where there is parallax.
+nearer, farther: outside the parallax ladder of the true motion, where there is parallax; nearer_worst: in the
+world with most of it. full_ladder_views: the ladder spans its full parallax. motion_px_s: median image speed.
 
 Examples:
   citysim stats                                all families
@@ -34,8 +35,11 @@ std::vector<Column> columns_of(const SceneStatistics& s) {
   out.push_back({"textureless", s.textureless_share, 3});
   out.push_back({"movers", s.mover_share, 3});
   out.push_back({"nearer", s.nearer_share, 3});
+  out.push_back({"nearer_worst", s.worst_nearer_share, 3});
   out.push_back({"farther", s.farther_share, 3});
   out.push_back({"no_parallax_views", s.no_parallax_views, 2});
+  out.push_back({"full_ladder_views", s.full_ladder_views, 2});
+  out.push_back({"motion_px_s", s.motion_px_s, 0});
   out.push_back({"mean_m_s", s.mean_speed_m_s, 2});
   out.push_back({"top_m_s", s.top_speed_m_s, 2});
   out.push_back({"top_rad_s", s.top_rate_rad_s, 2});

@@ -48,7 +48,7 @@ DriveStyle drive_style(Vehicle vehicle, std::uint64_t seed) {
   if (vehicle == Vehicle::kCar) return style;
 
   style.max_speed_m_s = random.uniform(1.2, 3.0);
-  style.acceleration_m_s2 = random.uniform(0.5, 1.2);
+  style.acceleration_m_s2 = random.uniform(0.6, 1.5);
   style.braking_m_s2 = random.uniform(0.6, 1.5);
   style.lateral_m_s2 = random.uniform(0.8, 1.8);
   style.max_yaw_rate_rad_s = random.uniform(0.9, 1.5);
@@ -67,10 +67,11 @@ DriveStyle drive_style(Vehicle vehicle, std::uint64_t seed) {
   style.rock_rad_s = 0.05 * rough;
   if (vehicle == Vehicle::kDeliveryRobot) return style;
 
-  style.max_speed_m_s = random.uniform(0.7, 1.5);
+  style.max_speed_m_s = random.uniform(1.4, 2.0);
+  style.hesitation = 0.25;
   style.path.corner_radius_m = random.uniform(0.4, 0.9);
-  style.path.in_place_chance = 0.5;
-  style.stop_every_m = random.log_uniform(6, 30);
+  style.path.in_place_chance = 0.3;
+  style.stop_every_m = random.log_uniform(8, 40);
   style.pitch_rad_per_m_s2 = 0.002;
   style.roll_rad_per_m_s2 = 0.002;
   style.heave_m_s = 0.004 * rough;

@@ -13,7 +13,7 @@ namespace egofocus::citysim {
 enum class Vehicle : std::uint8_t {
   kCar,            ///< 0..20 m/s, turns at up to 0.7 rad/s, stops at traffic lights
   kDeliveryRobot,  ///< 0..3 m/s on pavements, turns at up to 1.5 rad/s
-  kCorridorRobot,  ///< 0..1.5 m/s on a flat floor, turns on the spot where it likes
+  kCorridorRobot,  ///< 0..2 m/s on a flat floor, turns on the spot where it likes
 };
 
 struct DriveStyle {
@@ -24,7 +24,7 @@ struct DriveStyle {
   double max_yaw_rate_rad_s = 0.7;
   double smoothing_s = 0.3;     ///< accelerations change within twice this time
   double stop_every_m = 160;    ///< mean way between two stops of 1-4 s; 0: none on the way
-  double start_standing = 0.7;  ///< chance; else the recording begins at speed
+  double start_standing = 0.35;  ///< chance; else the recording begins at speed
   double hesitation = 0.35;     ///< a piece is driven at 1 - this .. 1 of its limit
   PathStyle path;
   double pitch_rad_per_m_s2 = 0.0045;  ///< nose down under braking

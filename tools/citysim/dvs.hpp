@@ -39,14 +39,13 @@ inline constexpr float kHalfShotLight = 0.05f;
 
 /// Drawn per recording. `night` has more shot noise and less bandwidth; all else is the same for one seed.
 ///
-///   threshold_on          0.1 to 1, log-uniform: what published simulators randomise for transfer to sensors
-///   threshold_off         N(0.9, 0.2) of threshold_on, 0.5 to 1.4
-///   threshold_spread      0.03 to 0.08: sigma/C of published DVS pixels
-///   refractory_us         0 to 3,000, half of them below 750
+///   threshold_on          0.1 to 1, as published simulators randomise; log-uniform, half of them drawn to
+///   the middle threshold_off         N(0.9, 0.2) of threshold_on, 0.5 to 1.4 threshold_spread      0.03 to
+///   0.08: sigma/C of published DVS pixels refractory_us         0 to 3,000, half of them below 750
 ///   bandwidth_hz          100 to 3,000 (night: 200), log-uniform; in the dark 30 to 60 (night: 45)
 ///   dark_light            0.0005 to 0.005, log-uniform
 ///   leak_hz               0 to 0.3
-///   shot_noise_hz         0 to 1 (night: 10), half of them below a quarter of that
+///   shot_noise_hz         0 to 1 (night: 10), half of them below a quarter (night: a sixteenth) of that
 ///   noise_spread          0.3 to 1.5
 ///   hot_pixel_share       0 to 0.001, at 5 to 200 Hz
 ///   latency_us            50 to 500, log-uniform; its jitter 0.05 to 0.3 of it

@@ -58,7 +58,10 @@ void require_legal(const DvsParameters& parameters) {
 DvsParameters draw_dvs_parameters(std::uint64_t seed, bool night) {
   const auto draw = [&](const char* what) { return sim::Random(seed, what); };
   DvsParameters p;
-  p.threshold_on = draw("threshold").log_uniform(0.1, 1.0);
+  // The middle of the range is what sensors are set to: near its upper end hardly an event is signal.
+  sim::Random threshold = draw("threshold");
+  p.threshold_on = threshold.log_uniform(0.1, 1.0);
+  if (threshold.chance(0.5)) p.threshold_on = square_root(p.threshold_on * threshold.log_uniform(0.1, 1.0));
   // Simulators use N(1, 0.1), which hardly gives less than 46 % ON. Real excerpts have 36, 36, 42 and 57 %,
   // and where frames tell the contrast of a DAVIS240C's events, OFF is 0.5 to 0.8 of ON.
   p.threshold_off = p.threshold_on * std::clamp(0.9 + 0.2 * draw("ratio of thresholds").normal(), 0.5, 1.4);
@@ -75,8 +78,8 @@ DvsParameters draw_dvs_parameters(std::uint64_t seed, bool night) {
   // Isolated events of real excerpts: 0.7 and 1.7, the latter with what the scene does to it.
   p.noise_spread = draw("spread of noise").uniform(0.3, 1.5);
   const double shot = draw("shot noise").uniform();
-  // Squared: most sensors are quiet, some are not.
-  p.shot_noise_hz = (night ? 10.0 : 1.0) * shot * shot;
+  // Most sensors are quiet, some are not.
+  p.shot_noise_hz = (night ? 10.0 * shot * shot : 1.0) * shot * shot;
   p.hot_pixel_share = draw("hot pixels").uniform(0, 0.001);
   p.hot_pixel_hz = draw("rate of hot pixels").log_uniform(5, 200);
   p.latency_us = draw("latency").log_uniform(50, 500);

@@ -37,7 +37,7 @@ class Planner {
       : style_(style), boxes_(std::move(boxes)), sights_(ways.sights), random_(random) {
     now_.position = random_point(boxes_[0], random_);
     goal_ = random_point(boxes_[0], random_);
-    sight_ = sights_[random_.below(static_cast<std::uint32_t>(sights_.size()))];
+    choose_sight();
     const Heading heading = heading_to(now_.position, sight_, 0);
     now_.yaw = heading.yaw;
     now_.pitch = clamped(-style_.max_pitch_rad, heading.pitch, style_.max_pitch_rad);
@@ -53,7 +53,7 @@ class Planner {
  private:
   void change_mood() {
     const double dice = random_.uniform();
-    mood_ = dice < 0.55   ? Mood::kTravel
+    mood_ = dice < 0.60   ? Mood::kTravel
             : dice < 0.70 ? Mood::kDrift
             : dice < 0.85 ? Mood::kTurn
             : dice < 0.94 ? Mood::kStand
@@ -62,7 +62,7 @@ class Planner {
     const bool travel = mood_ == Mood::kTravel;
     left_ = static_cast<int>((travel ? random_.uniform(4, 10) : random_.uniform(2.0, 4.5)) / kPlan_s);
     if (!travel && mood_ != Mood::kDrift) left_ += 3;  // a spline stands only after four equal points
-    speed_ = travel ? random_.log_uniform(std::max(0.3, style_.min_speed_m_s), style_.max_speed_m_s)
+    speed_ = travel ? random_.log_uniform(std::max(0.6, style_.min_speed_m_s), style_.max_speed_m_s)
                     : style_.min_speed_m_s * random_.uniform(0.7, 1.5);
     const bool leftwards = random_.chance(0.5);
     sweep_ = style_.max_rate_rad_s * random_.uniform(0.3, 0.85) * (leftwards ? 1 : -1);
@@ -71,9 +71,35 @@ class Planner {
     if (travel) choose_goal();
   }
 
+  /// Of two sights mostly the nearer one: who looks only across the room sees nothing near.
+  void choose_sight() {
+    const auto any = [&] { return sights_[random_.below(static_cast<std::uint32_t>(sights_.size()))]; };
+    const auto distance2 = [&](const Vec3& sight) {
+      const Vec3 way = sight - now_.position;
+      return dot(way, way);
+    };
+    sight_ = any();
+    const Vec3 other = any();
+    if (random_.chance(0.75) && distance2(other) < distance2(sight_)) sight_ = other;
+  }
+
+  /// Of three points the farthest: short ways give no speed.
+  Vec3 far_point(const FreeBox& box) {
+    Vec3 best = now_.position;
+    double most = -1;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 point = random_point(box, random_);
+      const Vec3 way = point - now_.position;
+      if (dot(way, way) <= most) continue;
+      most = dot(way, way);
+      best = point;
+    }
+    return best;
+  }
+
   /// Half of all goals beyond the box lie in another one that shares a part with it.
   void choose_goal() {
-    goal_ = random_point(boxes_[box_], random_);
+    goal_ = far_point(boxes_[box_]);
     if (crossing_ > 0 || boxes_.size() < 2 || random_.chance(0.5)) return;
     const std::size_t other = random_.below(static_cast<std::uint32_t>(boxes_.size()));
     FreeBox part;
@@ -91,7 +117,7 @@ class Planner {
       Vec3 way = goal_ - now_.position;
       double distance = square_root(dot(way, way));
       if (distance < 0.3 && crossing_ == 0 && !to_door_) {
-        goal_ = random_point(boxes_[box_], random_);
+        goal_ = far_point(boxes_[box_]);
         way = goal_ - now_.position;
         distance = square_root(dot(way, way));
       }
@@ -123,7 +149,7 @@ class Planner {
   }
 
   void turn() {
-    if (random_.chance(0.12)) sight_ = sights_[random_.below(static_cast<std::uint32_t>(sights_.size()))];
+    if (random_.chance(0.12)) choose_sight();
     if (random_.chance(0.2)) roll_goal_ = style_.max_roll_rad * random_.uniform(-1, 1);
     const Heading heading = heading_to(now_.position, sight_, now_.yaw);
     double yaw_step = heading.yaw - now_.yaw;
@@ -213,12 +239,13 @@ FlyStyle fly_style(Flyer flyer, std::uint64_t seed) {
   style.tremor_m_s *= nervous;
   style.tremor_rad_s *= nervous;
   if (flyer == Flyer::kHand) {
-    style.max_speed_m_s = random.uniform(0.6, 1.5);
+    style.max_speed_m_s = random.uniform(0.9, 1.5);
+    style.max_acceleration_m_s2 = random.uniform(2.5, 4.5);
     return style;
   }
   style.min_speed_m_s = 0.2;
-  style.max_speed_m_s = random.uniform(1.2, 3.0);
-  style.max_acceleration_m_s2 = random.uniform(1.5, 3.0);
+  style.max_speed_m_s = random.uniform(1.5, 4.0);
+  style.max_acceleration_m_s2 = random.uniform(2, 4);
   style.max_roll_rad = 0;
   style.max_pitch_rad = 0.25;
   style.tremor_rad_s *= 0.6;

@@ -35,11 +35,12 @@ struct FlyStyle {
 [[nodiscard]] Trajectory fly(const Ways& ways, const FlyStyle& style, double duration_s, std::uint64_t seed);
 
 struct SlideStyle {
-  bool arm = false;  ///< orbits around a sight, too; else straight strokes with a fixed orientation
-  double min_speed_m_s = 0.05;  ///< of a stroke
-  double max_speed_m_s = 0.6;
-  double ramp_s = 0.3;          ///< from rest to speed
-  double max_tilt_rad = 0.35;   ///< of the camera plate off the aim
+  bool arm = false;            ///< orbits around a sight, too; else straight strokes with a fixed orientation
+  double min_speed_m_s = 0.4;  ///< of a stroke; some are slower, down to a third of it
+  double max_speed_m_s = 1.0;
+  double ramp_s = 0.3;         ///< from rest to speed
+  double max_tilt_rad = 0.35;  ///< of the camera plate off the aim
+  double max_roll_rad = 0.1;
   double max_rate_rad_s = 0.8;  ///< in an orbit
 };
 

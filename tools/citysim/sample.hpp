@@ -37,7 +37,8 @@ struct Sample {
 };
 
 /// Windows of one world, at random times with parallax, up to 0.2 s long and no longer than the library's own
-/// ladder allows. Nine of ten have parallax where the world has any.
+/// ladder allows. Nine of ten have parallax where the world has any, most of them
+/// all that the ladder can use.
 [[nodiscard]] std::vector<Sample> draw_samples(const World& world, std::uint64_t seed, double duration_s,
                                                int count, Workers& workers);
 

@@ -16,9 +16,27 @@ constexpr double kRecording_s = 60;
 struct Counts {
   std::array<double, kDepthBounds_m.size() + 2> depth{};
   double pixels = 0, textureless = 0, movers = 0, in_parallax = 0, nearer = 0, farther = 0;
-  bool parallax = false;
-  double speed_m_s = 0, rate_rad_s = 0;
+  bool parallax = false, full_ladder = false;
+  double speed_m_s = 0, rate_rad_s = 0, motion_px_s = 0;
 };
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Of what is static at inverse depth `rho` there: the motion field (METHOD: geometry).
+double image_speed_px_s(const Intrinsics& in, const RigidState& camera, int column, int row, double rho) {
+  const double x = (column - in.cx_px) / in.fx_px;
+  const double y = (row - in.cy_px) / in.fy_px;
+  const Vec3& v = camera.velocity_m_s;
+  const Vec3& w = camera.rate_rad_s;
+  const double vx = rho * (x * v[2] - v[0]) + x * y * w[0] - (1 + x * x) * w[1] + y * w[2];
+  const double vy = rho * (y * v[2] - v[1]) + (1 + y * y) * w[0] - x * y * w[1] - x * w[2];
+  return square_root(in.fx_px * in.fx_px * vx * vx + in.fy_px * in.fy_px * vy * vy);
+}
 
 bool is_blank(const std::vector<float>& log_light, int width, int x, int y) {
   float low = 1e9f;
@@ -46,6 +64,8 @@ Counts count(const World& world, const Renderer& renderer, double t_s) {
                  [](float light) { return natural_log(std::max(light, 1e-5f)); });
   Counts counts;
   counts.parallax = ladder.has_parallax;
+  counts.full_ladder = ladder.parallax_px > 0.9 * LadderConfig{}.span_px;
+  std::vector<double> speeds_px_s;
   counts.speed_m_s = square_root(dot(camera.velocity_m_s, camera.velocity_m_s));
   counts.rate_rad_s = square_root(dot(camera.rate_rad_s, camera.rate_rad_s));
   for (int y = 2; y < height - 2; ++y) {
@@ -61,6 +81,7 @@ Counts count(const World& world, const Renderer& renderer, double t_s) {
       counts.depth[bin] += 1;
       counts.pixels += 1;
       counts.textureless += is_blank(log_light, width, x, y);
+      if (x % 4 == 0 && y % 4 == 0) speeds_px_s.push_back(image_speed_px_s(world.grid, camera, x, y, rho));
       if (rho <= 0) continue;
       const Vec3& v = world.scene.objects[static_cast<std::size_t>(view.object[i])].velocity_m_s;
       counts.movers += dot(v, v) > 0;
@@ -71,6 +92,7 @@ Counts count(const World& world, const Renderer& renderer, double t_s) {
       counts.farther += index < 0.5;
     }
   }
+  counts.motion_px_s = median(speeds_px_s);
   return counts;
 }
 
@@ -80,6 +102,7 @@ SceneStatistics scene_statistics(Family family, int worlds, int views, std::uint
   SceneStatistics out;
   double pixels = 0;
   double in_parallax = 0;
+  std::vector<double> motions_px_s;
   for (int w = 0; w < worlds; ++w) {
     const World world = make_world(family, {.duration_s = kRecording_s, .library = nullptr},
                                    seed + static_cast<std::uint64_t>(w));
@@ -90,20 +113,28 @@ SceneStatistics scene_statistics(Family family, int worlds, int views, std::uint
       counts[static_cast<std::size_t>(i)] =
           count(world, renderer, 1.0 + (kRecording_s - 2.0) * i / std::max(1, views - 1));
     });
+    double world_nearer = 0;
+    double world_in_parallax = 0;
     for (const Counts& c : counts) {
       ++out.views;
       for (std::size_t i = 0; i < c.depth.size(); ++i) out.depth_share[i] += c.depth[i];
       pixels += c.pixels;
-      in_parallax += c.in_parallax;
       out.textureless_share += c.textureless;
       out.mover_share += c.movers;
-      out.nearer_share += c.nearer;
+      world_nearer += c.nearer;
+      world_in_parallax += c.in_parallax;
+      out.full_ladder_views += c.full_ladder;
+      if (c.parallax) motions_px_s.push_back(c.motion_px_s);
       out.farther_share += c.farther;
       out.no_parallax_views += !c.parallax;
       out.mean_speed_m_s += c.speed_m_s;
       out.top_speed_m_s = std::max(out.top_speed_m_s, c.speed_m_s);
       out.top_rate_rad_s = std::max(out.top_rate_rad_s, c.rate_rad_s);
     }
+    out.nearer_share += world_nearer;
+    in_parallax += world_in_parallax;
+    out.worst_nearer_share =
+        std::max(out.worst_nearer_share, world_nearer / std::max(1.0, world_in_parallax));
   }
   const double all_views = std::max(1.0, static_cast<double>(out.views));
   for (double& share : out.depth_share) share /= std::max(1.0, pixels);
@@ -112,6 +143,8 @@ SceneStatistics scene_statistics(Family family, int worlds, int views, std::uint
   out.nearer_share /= std::max(1.0, in_parallax);
   out.farther_share /= std::max(1.0, in_parallax);
   out.no_parallax_views /= all_views;
+  out.full_ladder_views /= all_views;
+  out.motion_px_s = median(motions_px_s);
   out.mean_speed_m_s /= all_views;
   return out;
 }

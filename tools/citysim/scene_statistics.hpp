@@ -16,11 +16,14 @@ inline constexpr std::array<double, 9> kDepthBounds_m = {0.5, 1, 2, 4, 8, 16, 32
 struct SceneStatistics {
   std::uint64_t views = 0;
   std::array<double, kDepthBounds_m.size() + 2> depth_share{};
-  double textureless_share = 0;  ///< log light varies by less than kBlank over the 5x5 pixels around
-  double mover_share = 0;        ///< on something that moves
-  double nearer_share = 0;       ///< of views with parallax: nearer than the ladder's last step
-  double farther_share = 0;      ///< of the same: beyond its first half step, the sky left out
-  double no_parallax_views = 0;  ///< share of the views
+  double textureless_share = 0;   ///< log light varies by less than kBlank over the 5x5 pixels around
+  double mover_share = 0;         ///< on something that moves
+  double nearer_share = 0;        ///< of views with parallax: nearer than the ladder's last step
+  double worst_nearer_share = 0;  ///< of the world where it is largest
+  double farther_share = 0;       ///< of views with parallax: beyond the first half step, the sky left out
+  double no_parallax_views = 0;   ///< share of the views
+  double full_ladder_views = 0;   ///< share of the views whose ladder spans all it may, but for a tenth
+  double motion_px_s = 0;         ///< median over the views with parallax of the median image speed
   double mean_speed_m_s = 0;
   double top_speed_m_s = 0;
   double top_rate_rad_s = 0;

@@ -13,6 +13,7 @@ using sim::Random;
 
 constexpr double kStep_s = 0.02;
 constexpr double kLeastStroke_m = 0.04;
+constexpr double kHardest_m_s2 = 1.5;  // mean over a ramp; its peak is half as much again
 
 /// From rest to rest: a straight way, or an arc about a vertical line through `centre`.
 struct Stroke {
@@ -64,7 +65,7 @@ bool straight_stroke(const FreeBox& box, double yaw, Random& random, Stroke& str
   const double ahead_m = room(box, stroke.from, direction);
   const double back_m = room(box, stroke.from, back);
   stroke.turn = 0;
-  stroke.length = random.uniform(0.5, 1.0) * std::max(ahead_m, back_m);
+  stroke.length = random.uniform(0.7, 1.0) * std::max(ahead_m, back_m);
   stroke.way = stroke.length * (ahead_m > back_m ? direction : back);
   return stroke.length >= kLeastStroke_m;
 }
@@ -100,8 +101,9 @@ SlideStyle slide_style(bool arm, std::uint64_t seed) {
   Random random(seed, "slide style");
   SlideStyle style;
   style.arm = arm;
-  style.max_speed_m_s = random.uniform(0.25, 0.6);
-  style.ramp_s = random.uniform(0.15, 0.5);
+  style.max_speed_m_s = random.uniform(0.7, 1.0);
+  style.ramp_s = random.uniform(0.25, 0.5);
+  if (arm) style.max_roll_rad = 0.6;
   return style;
 }
 
@@ -115,14 +117,14 @@ Trajectory slide(const Ways& ways, const SlideStyle& style, double duration_s, s
   const Heading aim = heading_to(position, sight, 0);
   double yaw = aim.yaw + 0.5 * style.max_tilt_rad * random.uniform(-1, 1);
   const double pitch = clamped(-1.2, aim.pitch + style.max_tilt_rad * random.uniform(-1, 1), 1.2);
-  const double roll = 0.1 * random.uniform(-1, 1);
+  const double roll = style.max_roll_rad * random.uniform(-1, 1);
 
   const std::size_t wanted = static_cast<std::size_t>(duration_s / kStep_s + 0.999999) + 3;
   std::vector<Trajectory::Control> controls;
   const auto rest = [&](double for_s) {
     for (double t = 0; t < for_s; t += kStep_s) controls.push_back({position, yaw, pitch, roll});
   };
-  rest(random.uniform(0.1, 1.5));
+  rest(random.uniform(0.1, 1.0));
   while (controls.size() < wanted) {
     Stroke stroke;
     stroke.from = position;
@@ -133,8 +135,9 @@ Trajectory slide(const Ways& ways, const SlideStyle& style, double duration_s, s
       stroke.way = random_point(box, random) - position;
       stroke.length = square_root(sim::dot(stroke.way, stroke.way)) + 1e-6;
     }
-    double speed = random.log_uniform(style.min_speed_m_s, style.max_speed_m_s);
-    speed = std::min(speed, 0.8 * stroke.length / style.ramp_s);
+    double speed = random.uniform(style.min_speed_m_s, style.max_speed_m_s);
+    if (random.chance(0.07)) speed = style.min_speed_m_s * random.uniform(0.33, 1.0);
+    speed = std::min({speed, 0.8 * stroke.length / style.ramp_s, kHardest_m_s2 * style.ramp_s});
     if (stroke.turn != 0)
       speed = std::min(speed, style.max_rate_rad_s * stroke.length / absolute(stroke.turn));
     const double total_s = stroke.length / speed + style.ramp_s;
@@ -144,7 +147,7 @@ Trajectory slide(const Ways& ways, const SlideStyle& style, double duration_s, s
     }
     position = stroke.at(1);
     yaw += stroke.turn;
-    rest(random.chance(0.6) ? random.uniform(0.1, 1.0) : 0.0);
+    rest(random.chance(0.3) ? random.uniform(0.1, 0.7) : 0.0);
   }
   controls.resize(wanted);
   return {std::move(controls), kStep_s};

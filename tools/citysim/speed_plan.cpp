@@ -21,7 +21,7 @@ std::vector<Stop> stops_of(const DrivePath& path, const DriveStyle& style, Rando
   const std::vector<Node>& nodes = path.nodes();
   const double settle_s = 2 * style.smoothing_s;  // smoothing eats that much of a stop
   std::vector<Stop> stops;
-  if (random.chance(style.start_standing)) stops.push_back({0, settle_s + random.uniform(0.8, 3.0)});
+  if (random.chance(style.start_standing)) stops.push_back({0, settle_s + random.uniform(0.8, 2.0)});
   double next = style.stop_every_m > 0 ? style.stop_every_m * random.uniform(0.3, 1.2) : path.length() + 1;
   for (std::size_t i = 1; i + 2 < nodes.size(); ++i) {
     // From a stop at one node to a stop at the next there is no way.

@@ -1,73 +1,12 @@
 #include <algorithm>
-#include <array>
-#include <cstddef>
 
 #include "citysim/texture.hpp"
+#include "citysim/texture_canvas.hpp"
 
 namespace egofocus::citysim {
 namespace {
 
 constexpr int kSide = Texture::kSide;
-constexpr std::size_t kSize = static_cast<std::size_t>(kSide) * kSide;
-
-/// A periodic drawing surface.
-struct Canvas {
-  std::vector<float> value = std::vector<float>(kSize, 0.0f);
-
-  float& at(int x, int y) {
-    return value[static_cast<std::size_t>(y & (kSide - 1)) * kSide +
-                 static_cast<std::size_t>(x & (kSide - 1))];
-  }
-  void fill(int x0, int y0, int width, int height, float to) {
-    for (int y = y0; y < y0 + height; ++y) {
-      for (int x = x0; x < x0 + width; ++x) at(x, y) = to;
-    }
-  }
-  void add(int x0, int y0, int width, int height, float more) {
-    for (int y = y0; y < y0 + height; ++y) {
-      for (int x = x0; x < x0 + width; ++x) at(x, y) += more;
-    }
-  }
-  void spot(int cx, int cy, int radius, float more) {
-    for (int y = -radius; y <= radius; ++y) {
-      for (int x = -radius; x <= radius; ++x) {
-        const float r = static_cast<float>(x * x + y * y) / static_cast<float>(radius * radius);
-        if (r < 1.0f) at(cx + x, cy + y) += more * (1.0f - r) * (1.0f - r);
-      }
-    }
-  }
-};
-
-/// Value noise: lattice of `cells` x `cells` random values, smooth between, times `gain`.
-void add_octave(Canvas& canvas, int cells, float gain, Random& random) {
-  std::vector<float> lattice(static_cast<std::size_t>(cells * cells));
-  for (float& value : lattice) value = static_cast<float>(random.uniform(-1, 1));
-  const int step = kSide / cells;
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const int cx = x / step;
-      const int cy = y / step;
-      const auto smooth = [step](int at) {
-        const float f = (static_cast<float>(at) + 0.5f) / static_cast<float>(step);
-        return f * f * (3.0f - 2.0f * f);
-      };
-      const float fx = smooth(x % step);
-      const float fy = smooth(y % step);
-      const auto node = [&](int i, int j) {
-        return lattice[static_cast<std::size_t>((j % cells) * cells + i % cells)];
-      };
-      const float top = node(cx, cy) + fx * (node(cx + 1, cy) - node(cx, cy));
-      const float bottom = node(cx, cy + 1) + fx * (node(cx + 1, cy + 1) - node(cx, cy + 1));
-      canvas.at(x, y) += gain * (top + fy * (bottom - top));
-    }
-  }
-}
-
-void add_noise(Canvas& canvas, float gain, float roughness, Random& random) {
-  float octave = gain;
-  for (int cells = 4; cells <= 256; cells *= 2, octave *= roughness)
-    add_octave(canvas, cells, octave, random);
-}
 
 void bricks(Canvas& canvas, Random& random) {
   const int height = 16 << random.below(2);
@@ -235,15 +174,6 @@ void books(Canvas& canvas, Random& random) {
   }
 }
 
-void blobs(Canvas& canvas, int count, int largest, Random& random) {
-  for (int i = 0; i < count; ++i) {
-    const int radius =
-        2 + static_cast<int>(static_cast<double>(largest) * random.uniform() * random.uniform());
-    canvas.spot(static_cast<int>(random.below(kSide)), static_cast<int>(random.below(kSide)), radius,
-                static_cast<float>(random.uniform(-0.9, 0.9)));
-  }
-}
-
 void checker(Canvas& canvas, Random& random) {
   const int side = 32 << random.below(3);
   for (int y = 0; y < kSide; y += side) {
@@ -265,7 +195,7 @@ std::vector<float> draw_pattern(Pattern pattern, Random& random) {
       add_noise(canvas, 0.5f, static_cast<float>(random.uniform(0.6, 0.95)), random);
       break;
     case Pattern::kBlobs:
-      blobs(canvas, 500, 40, random);
+      add_blobs(canvas, 500, 40, random);
       break;
     case Pattern::kStripes:
       stripes(canvas, random);
@@ -289,7 +219,7 @@ std::vector<float> draw_pattern(Pattern pattern, Random& random) {
       asphalt(canvas, random);
       break;
     case Pattern::kFoliage:
-      blobs(canvas, 2500, 16, random);
+      add_blobs(canvas, 2500, 16, random);
       add_noise(canvas, 0.2f, 0.8f, random);
       break;
     case Pattern::kChecker:

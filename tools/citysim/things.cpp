@@ -16,6 +16,23 @@ Surface dark(const TextureLibrary& library, double value, Random& random) {
   return surface;
 }
 
+/// Some windows of the front, from behind which light comes through curtains.
+void light_windows(Mesh& mesh, const Place& place, double length, double height, double storey,
+                   const TextureLibrary& library, Random& random) {
+  const double awake = random.uniform(0.05, 0.4);
+  for (double z = 0.8 + 0.35 * storey; z + 1.3 < height; z += storey) {
+    for (double x = -0.5 * length + 1.2; x < 0.5 * length - 1.0; x += random.uniform(1.6, 3.5)) {
+      if (!random.chance(awake)) continue;
+      Surface window = library.any(1.2, 0.3, random);
+      window.emission = static_cast<float>(random.log_uniform(0.05, 0.6));
+      const double half = random.uniform(0.35, 0.7);
+      const double high = z + random.uniform(0.9, 1.4);
+      const auto p = [&](double right, double up) { return place.point(right, 0.03, up); };
+      mesh.quad(p(x + half, z), p(x - half, z), p(x - half, high), p(x + half, high), window);
+    }
+  }
+}
+
 }  // namespace
 
 void add_car(Mesh& mesh, const Place& place, const TextureLibrary& library, bool lights_on, Random& random) {
@@ -151,8 +168,8 @@ void add_clutter(Mesh& mesh, const Place& place, double size, const TextureLibra
   }
 }
 
-void add_house(Mesh& mesh, const Place& place, double length, double width, const TextureLibrary& library,
-               Random& random) {
+void add_house(Mesh& mesh, const Place& place, double length, double width, bool lit,
+               const TextureLibrary& library, Random& random) {
   const double storey = random.uniform(2.7, 3.6);
   const double height = storey * (1.0 + static_cast<double>(random.below(6)));
   const bool blank = random.chance(0.15);
@@ -183,42 +200,17 @@ void add_house(Mesh& mesh, const Place& place, double length, double width, cons
   if (random.chance(0.5)) {  // a door and a shop sign
     const double x = random.uniform(-0.6, 0.6) * l;
     mesh.box(place.at(x, 0.06, 0), 1.1, 0.14, 2.2, library.any(1.2, 0.4, random), roof);
-    const Surface sign = library.surface(Pattern::kText, 2.5, random);
+    Surface sign = library.surface(Pattern::kText, 2.5, random);
+    if (lit && random.chance(0.6)) sign.emission = static_cast<float>(random.log_uniform(0.1, 0.8));
     const double s = 0.6 * random.uniform(0.5, 1.0) * l;
     mesh.box(place.at(random.uniform(-0.3, 0.3) * l, 0.15, storey - 0.5), 2 * s, 0.3, 0.6, sign, sign, true);
   }
+  if (lit) light_windows(mesh, place, length, height, storey, library, random);
   if (random.chance(0.35)) {  // balconies
     for (double z = storey; z + 1.2 < height; z += storey) {
       mesh.box(place.at(random.uniform(-0.4, 0.4) * l, 0.5, z), 0.3 * length, 1.0, 1.0, wall, wall, true);
     }
   }
-}
-
-void add_table(Mesh& mesh, const Place& place, double length, double width, double height,
-               const TextureLibrary& library, Random& random) {
-  const Surface wood =
-      random.chance(0.6) ? library.surface(Pattern::kPlanks, 1.0, random) : library.any(0.8, 0.5, random);
-  mesh.box(place.at(0, 0, height - 0.04), length, width, 0.04, wood, wood, true);
-  for (const double x : {-0.45, 0.45}) {
-    for (const double y : {-0.45, 0.45})
-      mesh.box(place.at(x * length, y * width, 0), 0.06, 0.06, height - 0.04, wood, wood);
-  }
-}
-
-void add_chair(Mesh& mesh, const Place& place, const TextureLibrary& library, Random& random) {
-  const Surface seat = library.any(0.5, 0.4, random);
-  add_table(mesh, place, 0.44, 0.44, 0.46, library, random);
-  mesh.box(place.at(-0.2, 0, 0.46), 0.05, 0.42, 0.45, seat, seat);
-}
-
-void add_shelf(Mesh& mesh, const Place& place, double length, double height, const TextureLibrary& library,
-               Random& random) {
-  const Surface frame = library.any(1.0, 0.5, random);
-  mesh.box(place.at(0, 0.14, 0), length, 0.28, height, frame, frame);
-  const Surface books = library.surface(Pattern::kBooks, 1.3, random);
-  const double l = 0.47 * length;
-  mesh.quad(place.point(l, 0.285, 0.1), place.point(-l, 0.285, 0.1), place.point(-l, 0.285, height - 0.1),
-            place.point(l, 0.285, height - 0.1), books);
 }
 
 }  // namespace egofocus::citysim

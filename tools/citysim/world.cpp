@@ -5,6 +5,7 @@
 
 #include "citysim/drive.hpp"
 #include "citysim/fly.hpp"
+#include "citysim/near_limit.hpp"
 
 namespace egofocus::citysim {
 namespace {
@@ -124,6 +125,19 @@ Mount mount(const Vec3& position, double yaw, double pitch, double roll) {
   return {turned * ahead, position};
 }
 
+/// Where a camera on wheels looks: mostly ahead and upright, but some to a side, and some askew.
+struct Aim {
+  double yaw, pitch, roll;
+};
+
+Aim draw_aim(double ahead_rad, double roll_rad, Random& random) {
+  Aim aim{random.uniform(-ahead_rad, ahead_rad), random.uniform(-0.15, 0.28),
+          random.uniform(-roll_rad, roll_rad)};
+  if (random.chance(0.2)) aim.yaw = random.uniform(0.3, 1.5) * (random.chance(0.5) ? 1 : -1);
+  if (random.chance(0.15)) aim.roll = random.uniform(-0.5, 0.5);
+  return aim;
+}
+
 struct Motion {
   Trajectory trajectory;
   Mount mount;
@@ -135,8 +149,8 @@ Motion drive_town(const Scene& scene, bool small, double duration_s, std::uint64
   Trajectory way = drive(scene.ways, drive_style(vehicle, seed), duration_s, seed);
   const Vec3 at = small ? Vec3{random.uniform(0.1, 0.5), random.uniform(-0.1, 0.1), random.uniform(0.3, 1.1)}
                         : Vec3{random.uniform(1.0, 2.6), random.uniform(-0.4, 0.4), random.uniform(0.6, 2.5)};
-  return {std::move(way),
-          mount(at, random.uniform(-0.12, 0.12), random.uniform(-0.1, 0.25), random.uniform(-0.06, 0.06)),
+  const Aim aim = draw_aim(0.12, 0.06, random);
+  return {std::move(way), mount(at, aim.yaw, aim.pitch, aim.roll),
           small ? BusRobot::kDeliveryRobot : BusRobot::kCar};
 }
 
@@ -159,10 +173,10 @@ Motion slide_desk(const Scene& scene, double duration_s, std::uint64_t seed, Ran
 }
 
 Motion drive_corridor(const Scene& scene, double duration_s, std::uint64_t seed, Random random) {
+  const Vec3 at{random.uniform(0.05, 0.25), 0, random.uniform(0.2, 1.1)};
+  const Aim aim = draw_aim(0.3, 0.05, random);
   return {drive(scene.ways, drive_style(Vehicle::kCorridorRobot, seed), duration_s, seed),
-          mount({random.uniform(0.05, 0.25), 0, random.uniform(0.3, 1.4)}, random.uniform(-0.3, 0.3),
-                random.uniform(-0.2, 0.25), random.uniform(-0.05, 0.05)),
-          BusRobot::kDeliveryRobot};
+          mount(at, aim.yaw, aim.pitch, aim.roll), BusRobot::kDeliveryRobot};
 }
 
 }  // namespace
@@ -206,7 +220,7 @@ World make_world(Family family, const WorldOptions& options, std::uint64_t seed)
       scene = make_desk(library, seed);
       break;
     case Family::kCorridor:
-      scene = make_corridor(1.6 * duration_s + 10, library, seed);
+      scene = make_corridor(2.1 * duration_s + 10, library, seed);
       break;
     default:
       // Cars make 15 m/s at most on the whole, with stops.
@@ -234,21 +248,20 @@ World make_world(Family family, const WorldOptions& options, std::uint64_t seed)
   }
   switch (family) {
     case Family::kRoom:
-      world.z_near_m = 0.5;
       world.depth_scale_m = 1.0 / 2048;
       break;
     case Family::kDesk:
-      world.z_near_m = 0.35;
       world.depth_scale_m = 1e-4;
       break;
     case Family::kCorridor:
-      world.z_near_m = 0.7;
       world.depth_scale_m = 1.0 / 1024;
       break;
     default:
-      world.z_near_m = small_robot ? 1.0 : 2.0;
       break;
   }
+  // Nobody's setting is exact, and some are wrong.
+  const double share = Random(seed, "near limit").log_uniform(0.005, 0.06);
+  world.z_near_m = near_limit_m(world.scene, world.trajectory, world.mount, world.grid, share);
   return world;
 }
 
