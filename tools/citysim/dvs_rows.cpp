@@ -11,6 +11,7 @@ namespace egofocus::citysim {
 namespace {
 
 constexpr double kTwoPi = 6.28318530717958647693;
+constexpr std::size_t kFew = 40;  // sorted by insertion: no memory is asked for
 constexpr std::size_t kScan = 8;  // marks looked at together
 
 Level random_threshold(double nominal, double spread, sim::Random& random) {
@@ -140,9 +141,19 @@ void Dvs::State::send(int y, Band& band) {
   const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_px);
   sim::Random& random = latency[static_cast<std::size_t>(y)];
   // A pixel's own crossings are in order already, also where two have the same time.
-  std::stable_sort(band.raised.begin(), band.raised.end(), [](const Raised& a, const Raised& b) {
+  const auto earlier = [](const Raised& a, const Raised& b) {
     return std::tie(a.t_us, a.x) < std::tie(b.t_us, b.x);
-  });
+  };
+  if (band.raised.size() > kFew) {
+    std::stable_sort(band.raised.begin(), band.raised.end(), earlier);
+  } else {
+    for (std::size_t i = 1; i < band.raised.size(); ++i) {
+      const Raised moved = band.raised[i];
+      std::size_t to = i;
+      for (; to > 0 && earlier(moved, band.raised[to - 1]); --to) band.raised[to] = band.raised[to - 1];
+      band.raised[to] = moved;
+    }
+  }
   for (const Raised& raised : band.raised) {
     const std::size_t i = row + raised.x;
     if (raised.t_us < blocked_until_us[i]) {

@@ -32,14 +32,17 @@ inline LowPassStep<float> low_pass_step(float k) {
   return {decay, halvings == 0 ? lag : (1.0f - decay) / k};
 }
 
-/// 0 <= k <= 700; error of both below 1e-14.
+/// 0 <= k <= 700; error of both below 1e-11.
 inline LowPassStep<double> low_pass_step(double k) {
-  constexpr double kInverse[] = {1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,  1.0 / 7,  1.0 / 8, 1.0 / 9,
-                                 1.0 / 10, 1.0 / 11, 1.0 / 12, 1.0 / 13, 1.0 / 14, 1.0 / 15, 1.0 / 16};
   const auto halvings = static_cast<std::int64_t>(k * 1.44269504088896341);
   const double r = k - static_cast<double>(halvings) * 0.693147180559945309;
-  double lag = 1.0;  // sum of (-r)^n / (n + 1)!, from its last term inwards
-  for (int n = 14; n >= 0; --n) lag = 1.0 - r * kInverse[n] * lag;
+  const double r2 = r * r;
+  const double r4 = r2 * r2;
+  // The sum of (-r)^n / (n + 1)! to n = 11, in pairs, which do not wait for each other.
+  const double a = (1.0 - r * (1.0 / 2)) + (1.0 / 6 - r * (1.0 / 24)) * r2;
+  const double b = (1.0 / 120 - r * (1.0 / 720)) + (1.0 / 5040 - r * (1.0 / 40320)) * r2;
+  const double c = (1.0 / 362880 - r * (1.0 / 3628800)) + (1.0 / 39916800 - r * (1.0 / 479001600)) * r2;
+  const double lag = a + (b + c * r4) * r4;
   const double decay = (1.0 - r * lag) * std::bit_cast<double>((1023 - halvings) << 52);
   return {decay, halvings == 0 ? lag : (1.0 - decay) / k};
 }

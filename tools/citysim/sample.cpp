@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::int64_t kWarmUpUs = 10000;  // the low pass forgets how it began
 
+constexpr int kTakeWindows = 3;          // filmed in one go
 constexpr double kFullParallax_px = 36;  // of the 40 that the library's ladder spans
 
 class Bytes {
@@ -31,6 +32,76 @@ class Bytes {
   std::vector<std::byte> bytes_;
 };
 
+/// When a window ends, and the ladder that the library would choose for it.
+struct WindowEnd {
+  std::int64_t end_us = 0;
+  HypothesisLadder ladder;
+
+  [[nodiscard]] std::int64_t begin_us() const { return std::max(ladder.begin_us, end_us - kLongestWindowUs); }
+};
+
+WindowEnd window_end(const World& world, std::int64_t end_us) {
+  return {end_us, true_ladder(world, end_us)};
+}
+
+/// A random time, preferably one with parallax.
+WindowEnd draw_end(const World& world, double duration_s, Random& random) {
+  const int tries = random.chance(0.9) ? 12 : 1;
+  const double enough_px = random.chance(0.85) ? kFullParallax_px : 0;
+  WindowEnd best;
+  for (int i = 0; i < tries; ++i) {
+    const auto at_us = static_cast<std::int64_t>(1e6 * random.uniform(0.3, duration_s - 0.3));
+    const WindowEnd tried = window_end(world, at_us);
+    if (i == 0 || tried.ladder.parallax_px > best.ladder.parallax_px) best = tried;
+    if (tried.ladder.has_parallax && tried.ladder.parallax_px >= enough_px) break;
+  }
+  return best;
+}
+
+/// The next one of a take that began at `begin_us`: later by 0.3 to 0.5 of the window.
+WindowEnd draw_next(const World& world, const WindowEnd& last, std::int64_t begin_us, Random& random) {
+  const double length_us = static_cast<double>(last.end_us - last.begin_us());
+  const auto later_us = static_cast<std::int64_t>(random.uniform(0.3, 0.5) * length_us);
+  WindowEnd next = window_end(world, last.end_us + later_us);
+  next.ladder.begin_us = std::max(next.begin_us(), begin_us);
+  return next;
+}
+
+Sample make_sample(const World& world, std::uint64_t seed, const WindowEnd& window,
+                   std::span<const Event> filmed, const View& truth) {
+  Sample sample;
+  sample.family = world.family;
+  sample.night = world.night;
+  sample.seed = seed;
+  sample.at_us = window.end_us;
+  sample.z_near_m = world.z_near_m;
+  sample.camera = world.camera;
+  sample.window_us = static_cast<std::int32_t>(window.end_us - window.begin_us());
+  for (Event event : filmed) {
+    if (event.t_us < window.begin_us() || event.t_us > window.end_us) continue;
+    event.t_us -= window.end_us;
+    sample.events.push_back(event);
+  }
+  for (int i = 0; i < Sample::kMotions; ++i) {
+    SampleMotion& motion = sample.motion[static_cast<std::size_t>(i)];
+    motion.t_us =
+        static_cast<std::int32_t>(-kLongestWindowUs + kLongestWindowUs * i / (Sample::kMotions - 1));
+    const RigidState state = world.camera_at(1e-6 * static_cast<double>(window.end_us + motion.t_us));
+    for (std::size_t k = 0; k < 3; ++k) {
+      motion.velocity_m_s[k] = static_cast<float>(state.velocity_m_s[k]);
+      motion.rate_rad_s[k] = static_cast<float>(state.rate_rad_s[k]);
+    }
+  }
+  sample.inverse_depth = truth.inverse_depth;
+  sample.moving.resize(truth.object.size());
+  for (std::size_t i = 0; i < truth.object.size(); ++i) {
+    if (truth.object[i] < 0) continue;
+    const Vec3& v = world.scene.objects[static_cast<std::size_t>(truth.object[i])].velocity_m_s;
+    sample.moving[i] = dot(v, v) > 0;
+  }
+  return sample;
+}
+
 }  // namespace
 
 std::vector<Sample> draw_samples(const World& world, std::uint64_t seed, double duration_s, int count,
@@ -43,57 +114,21 @@ std::vector<Sample> draw_samples(const World& world, std::uint64_t seed, double 
   Film film(world, optics, workers, mix_bits(seed));
   Random random(seed, "samples");
   std::vector<Sample> out;
-  for (int n = 0; n < count; ++n) {
-    std::int64_t end_us = 0;
-    HypothesisLadder ladder;
-    const int tries = random.chance(0.9) ? 12 : 1;
-    const double enough_px = random.chance(0.85) ? kFullParallax_px : 0;
-    for (int i = 0; i < tries; ++i) {
-      const auto at_us = static_cast<std::int64_t>(1e6 * random.uniform(0.3, duration_s - 0.05));
-      const HypothesisLadder tried = true_ladder(world, at_us);
-      if (i == 0 || tried.parallax_px > ladder.parallax_px) {
-        end_us = at_us;
-        ladder = tried;
-      }
-      if (tried.has_parallax && tried.parallax_px >= enough_px) break;
+  while (static_cast<int>(out.size()) < count) {
+    const WindowEnd first = draw_end(world, duration_s, random);
+    std::vector<WindowEnd> windows{first};
+    const int left = count - static_cast<int>(out.size());
+    for (int i = 1; i < std::min(left, kTakeWindows); ++i)
+      windows.push_back(draw_next(world, windows.back(), first.begin_us(), random));
+    std::vector<Event> events;
+    film.cut_to(std::max<std::int64_t>(0, first.begin_us() - kWarmUpUs));
+    for (const WindowEnd& window : windows) film.run_to(window.end_us, events);
+    film.finish(events);
+    for (const WindowEnd& window : windows) {
+      const double t_s = 1e-6 * static_cast<double>(window.end_us);
+      truth.render(world.camera_at(t_s).pose, t_s, scratch, view);
+      out.push_back(make_sample(world, seed, window, events, view));
     }
-    Sample sample;
-    sample.family = world.family;
-    sample.night = world.night;
-    sample.seed = seed;
-    sample.at_us = end_us;
-    sample.z_near_m = world.z_near_m;
-    sample.camera = world.camera;
-    const std::int64_t begin_us = std::max(ladder.begin_us, end_us - kLongestWindowUs);
-    sample.window_us = static_cast<std::int32_t>(end_us - begin_us);
-
-    film.cut_to(std::max<std::int64_t>(0, begin_us - kWarmUpUs));
-    film.run_to(end_us, sample.events);
-    film.finish(sample.events);
-    std::erase_if(sample.events,
-                  [&](const Event& event) { return event.t_us < begin_us || event.t_us > end_us; });
-    for (Event& event : sample.events) event.t_us -= end_us;
-
-    for (int i = 0; i < Sample::kMotions; ++i) {
-      SampleMotion& motion = sample.motion[static_cast<std::size_t>(i)];
-      motion.t_us =
-          static_cast<std::int32_t>(-kLongestWindowUs + kLongestWindowUs * i / (Sample::kMotions - 1));
-      const RigidState state = world.camera_at(1e-6 * static_cast<double>(end_us + motion.t_us));
-      for (std::size_t k = 0; k < 3; ++k) {
-        motion.velocity_m_s[k] = static_cast<float>(state.velocity_m_s[k]);
-        motion.rate_rad_s[k] = static_cast<float>(state.rate_rad_s[k]);
-      }
-    }
-    const double t_s = 1e-6 * static_cast<double>(end_us);
-    truth.render(world.camera_at(t_s).pose, t_s, scratch, view);
-    sample.inverse_depth = view.inverse_depth;
-    sample.moving.resize(view.object.size());
-    for (std::size_t i = 0; i < view.object.size(); ++i) {
-      if (view.object[i] < 0) continue;
-      const Vec3& v = world.scene.objects[static_cast<std::size_t>(view.object[i])].velocity_m_s;
-      sample.moving[i] = dot(v, v) > 0;
-    }
-    out.push_back(std::move(sample));
   }
   return out;
 }
