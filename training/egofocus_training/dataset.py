@@ -1,0 +1,71 @@
+"""Training windows in a seeded order: what step n trains on depends on the seed and the shards alone."""
+import functools
+
+import numpy as np
+import torch
+
+from .augment import augment
+from .errors import BAD_FILE, TrainingError
+from .samples import Shard
+from .windows import network_inputs, stack_sample, training_targets, wanted_arrays
+
+_ATTEMPTS = 20  # windows without parallax have no stack: another one takes their place
+
+
+class WindowDataset(torch.utils.data.Dataset):
+    """Item (epoch, position): the window at this position of the epoch's order, augmented."""
+
+    def __init__(self, paths, config):
+        self.config = config
+        self.shards = [Shard(path) for path in paths]
+        self.at = [(s, i) for s, shard in enumerate(self.shards) for i in range(len(shard))]
+        if config.data.families:
+            self.at = [(s, i) for s, i in self.at if self.shards[s][i].family in config.data.families]
+        if not self.at:
+            raise TrainingError(BAD_FILE, self.shards[0].path, "holds no samples of the wanted families.")
+
+    def __len__(self):
+        return len(self.at)
+
+    @functools.lru_cache(maxsize=2)
+    def order(self, epoch):
+        return np.random.default_rng([self.config.train.seed, 1, epoch]).permutation(len(self.at))
+
+    def __getitem__(self, key):
+        epoch, position = key
+        random = np.random.default_rng([self.config.train.seed, 2, epoch, position])
+        published = self.config.network.order == "published"
+        where = self.order(epoch)[position]
+        for _ in range(_ATTEMPTS):
+            shard, index = self.at[where]
+            sample, crop, span = augment(self.shards[shard][index], self.config.augment, random)
+            facts = stack_sample(sample, self.config.input, wanted_arrays(published), crop, span)
+            if facts["has_stack"]:
+                item = network_inputs(facts, self.config.input, published)
+                item.update(training_targets(sample, facts, crop, self.config.loss, self.config.input.hypotheses))
+                return item
+            where = int(random.integers(len(self.at)))
+        raise TrainingError(BAD_FILE, self.shards[shard].path, f"{_ATTEMPTS} windows in a row have no parallax. "
+                            "Is the ladder's min_parallax_px too large for these samples?")
+
+
+def collate(items):
+    """Stacks numpy arrays into tensors; targets become float."""
+    out = {}
+    for name in items[0]:
+        stacked = torch.from_numpy(np.stack([item[name] for item in items]))
+        out[name] = stacked.float() if name == "label" else stacked
+    return out
+
+
+def _one_thread(_):
+    torch.set_num_threads(1)
+
+
+def epoch_loader(dataset, epoch, first_batch):
+    """Batches of one epoch from `first_batch` on; what does not fill a batch is left out."""
+    train = dataset.config.train
+    batches = [[(epoch, b * train.batch + i) for i in range(train.batch)]
+               for b in range(first_batch, len(dataset) // train.batch)]
+    return torch.utils.data.DataLoader(dataset, batch_sampler=batches, num_workers=train.workers, collate_fn=collate,
+                                       worker_init_fn=_one_thread, prefetch_factor=4 if train.workers else 2)
