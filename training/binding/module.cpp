@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "pipeline/focus_energy.hpp"
+#include "ray_cache.hpp"
 #include "recording/error.hpp"
 #include "recording/event_mask.hpp"
 #include "recording/folder.hpp"
@@ -22,6 +23,11 @@ using training::RecordingWindows;
 using training::WindowStack;
 
 namespace {
+
+training::RayCache& ray_cache() {
+  static training::RayCache cache;
+  return cache;
+}
 
 template <typename T>
 using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
@@ -189,7 +195,8 @@ py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t
     const std::uint16_t* columns = x.data();
     const std::uint16_t* rows = y.data();
     const py::gil_scoped_release unlocked;
-    stack = std::make_unique<WindowStack>(config, Crop{left, top, width, height});
+    const auto rays = ray_cache().rays(config);
+    stack = std::make_unique<WindowStack>(config, Crop{left, top, width, height}, *rays);
     for (py::ssize_t i = 0; i < n; ++i) stack->add({kEnd_us + times[i], columns[i], rows[i], 0});
     has_stack = stack->run(kEnd_us - config.window.max_age_us, kEnd_us,
                            [&motion](std::int64_t begin_us, std::int64_t end_us, MotionTrack& out) {
@@ -212,19 +219,22 @@ py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t
   return has_stack ? merged(std::move(out), arrays_of(*stack, wanted)) : out;
 }
 
-py::array_t<std::uint32_t> support(const Array<std::uint16_t>& cells, int side) {
+// float32, rounded to nearest: that costs no more than 2^-24 of a sum.
+py::array_t<float> support(const Array<std::uint16_t>& cells, int side) {
   if (cells.ndim() != 3 || side < 1 || side > 7 || side % 2 == 0)
     refuse("support wants cells [n, height, width] and a side of 1, 3, 5 or 7.");
   const EnergyGrid grid{static_cast<std::int32_t>(cells.shape(2)), static_cast<std::int32_t>(cells.shape(1))};
-  py::array_t<std::uint32_t> out({cells.shape(0), cells.shape(1), cells.shape(2)});
+  py::array_t<float> out({cells.shape(0), cells.shape(1), cells.shape(2)});
   const std::uint16_t* from = cells.data();
-  std::uint32_t* to = out.mutable_data();
+  float* to = out.mutable_data();
   const auto maps = static_cast<std::size_t>(cells.shape(0));
   const py::gil_scoped_release unlocked;
   std::vector<std::uint32_t> scratch(grid.size());
-  for (std::size_t i = 0; i < maps; ++i)
-    sum_support({from + i * grid.size(), grid.size()}, grid, side, scratch,
-                {to + i * grid.size(), grid.size()});
+  std::vector<std::uint32_t> sums(grid.size());
+  for (std::size_t i = 0; i < maps; ++i) {
+    sum_support({from + i * grid.size(), grid.size()}, grid, side, scratch, sums);
+    for (std::size_t n = 0; n < grid.size(); ++n) *to++ = static_cast<float>(sums[n]);
+  }
   return out;
 }
 
@@ -300,6 +310,9 @@ PYBIND11_MODULE(egofocus_stack, module) {
       py::arg("distortion"), py::arg("coefficients"), py::arg("ladder"), py::arg("max_events"),
       py::arg("crop") = Rectangle{0, 0, 0, 0}, py::arg("wanted"),
       "One window: times count back from its end. wanted: counts, half, cells, argmax, sgm, event_mask.");
+  module.def(
+      "keep_rays", [](std::size_t bytes) { ray_cache().keep(bytes); }, py::arg("bytes"),
+      "How much the tables of cameras seen last may take.");
   module.def("support", &support, py::arg("cells"), py::arg("side"), "Two boxes of side x side cells.");
   py::class_<Recording>(module, "Recording")
       .def(py::init<const std::string&, const std::optional<std::string>&, const std::optional<Ladder>&>(),

@@ -61,7 +61,7 @@ std::size_t WindowStack::bytes_needed(const Config& config, const Config& crop_c
   return counter.used_bytes();
 }
 
-WindowStack::WindowStack(const Config& config, const Crop& crop)
+WindowStack::WindowStack(const Config& config, const Crop& crop, std::span<const Ray> rays)
     : config_(checked(config)),
       crop_config_(cropped(config, crop)),
       whole_grid_(working_grid(config)),
@@ -71,7 +71,11 @@ WindowStack::WindowStack(const Config& config, const Crop& crop)
       filter_(config_, arena_),
       window_(config_.window, arena_),
       warp_(crop_config_, kernels(), arena_) {
-  warp_.prepare(config_.camera);
+  if (rays.empty()) {
+    warp_.prepare(config_.camera);
+  } else {
+    warp_.prepare(rays);
+  }
   recording::require(pool_.start(1, 0, -1), "window", recording::ExitCode::kInternal);
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/arena.hpp"
@@ -40,8 +41,9 @@ struct ClassicalDepth {
 /// and for a crop outside the grid.
 class WindowStack {
  public:
-  /// The ladder is that of the whole grid, whatever the crop.
-  WindowStack(const Config& config, const Crop& crop);
+  /// The ladder is that of the whole grid, whatever the crop. `rays`: what fill_rays() made of this camera;
+  /// empty: made here, which takes longer than everything else.
+  WindowStack(const Config& config, const Crop& crop, std::span<const Ray> rays = {});
 
   /// Times must not fall. Through the event filter into the window.
   void add(const Event& event) noexcept;

@@ -78,11 +78,13 @@ def add_hot_pixels(sample, share, random):
     return dataclasses.replace(sample, t_us=t_us[order], x=x[order], y=y[order], polarity=polarity[order])
 
 
-def augment(sample, config, random):
-    """(sample, crop as (x, y, width, height), factor of the ladder's span) after an AugmentConfig."""
-    if random.random() < config.flip_horizontal:
+def augment(sample, config, random, of_world):
+    """(sample, crop as (x, y, width, height), factor of the ladder's span) after an AugmentConfig. `of_world`: the
+    generator of what all windows of a world share; a mirrored camera is another camera, whose table of rays costs time.
+    """
+    if of_world.random() < config.flip_horizontal:
         sample = flip_horizontal(sample)
-    if random.random() < config.flip_vertical:
+    if of_world.random() < config.flip_vertical:
         sample = flip_vertical(sample)
     sample = noisy_motion(sample, config.velocity_noise * random.random(), 1000 * config.delay_ms * random.random(),
                           random)

@@ -79,7 +79,8 @@ class TrainConfig:
     clip_norm: float = 1.0
     device: str = "cpu"  # or "cuda"
     threads: int = 0  # of the network; 0: all
-    workers: int = 1  # processes that stack windows
+    workers: int = 1  # processes that stack windows; 0: the training process itself
+    ray_cache_mb: int = 512  # of each of them
     bf16: bool = False
     checkpoint_every_s: float = 600.0
     evaluate_every_s: float = 1800.0

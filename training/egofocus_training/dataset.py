@@ -4,11 +4,15 @@ import functools
 import numpy as np
 import torch
 
+import egofocus_stack
+
 from .augment import augment
 from .errors import BAD_FILE, TrainingError
+from .machine import keep_freed_memory
 from .samples import Shard
 from .windows import network_inputs, stack_sample, training_targets, wanted_arrays
 
+_WORLDS_TOGETHER = 48
 _ATTEMPTS = 20  # windows without parallax have no stack: another one takes their place
 
 
@@ -21,6 +25,7 @@ class WindowDataset(torch.utils.data.Dataset):
         self.at = [(s, i) for s, shard in enumerate(self.shards) for i in range(len(shard))]
         if config.data.families:
             self.at = [(s, i) for s, i in self.at if self.shards[s][i].family in config.data.families]
+        self.world = np.array([self.shards[s].world(i) for s, i in self.at], np.uint64)
         if not self.at:
             raise TrainingError(BAD_FILE, self.shards[0].path, "holds no samples of the wanted families.")
 
@@ -29,16 +34,22 @@ class WindowDataset(torch.utils.data.Dataset):
 
     @functools.lru_cache(maxsize=2)
     def order(self, epoch):
-        return np.random.default_rng([self.config.train.seed, 1, epoch]).permutation(len(self.at))
+        """A permutation that keeps the windows of a world near each other, among those of many others: one table of
+        rays serves them all."""
+        random = np.random.default_rng([self.config.train.seed, 1, epoch])
+        worlds, of = np.unique(self.world, return_inverse=True)
+        rank = random.permutation(len(worlds))[of]
+        return np.lexsort((random.random(len(of)), rank // _WORLDS_TOGETHER))
 
     def __getitem__(self, key):
         epoch, position = key
         random = np.random.default_rng([self.config.train.seed, 2, epoch, position])
         published = self.config.network.order == "published"
-        where = self.order(epoch)[position]
+        where = int(self.order(epoch)[position])
         for _ in range(_ATTEMPTS):
             shard, index = self.at[where]
-            sample, crop, span = augment(self.shards[shard][index], self.config.augment, random)
+            of_world = np.random.default_rng([self.config.train.seed, 3, epoch, int(self.world[where])])
+            sample, crop, span = augment(self.shards[shard][index], self.config.augment, random, of_world)
             facts = stack_sample(sample, self.config.input, wanted_arrays(published), crop, span)
             if facts["has_stack"]:
                 item = network_inputs(facts, self.config.input, published)
@@ -58,8 +69,11 @@ def collate(items):
     return out
 
 
-def _one_thread(_):
+def _prepare_worker(_):
+    keep_freed_memory()
     torch.set_num_threads(1)
+    train = torch.utils.data.get_worker_info().dataset.config.train
+    egofocus_stack.keep_rays(train.ray_cache_mb << 20)
 
 
 def epoch_loader(dataset, epoch, first_batch):
@@ -67,5 +81,5 @@ def epoch_loader(dataset, epoch, first_batch):
     train = dataset.config.train
     batches = [[(epoch, b * train.batch + i) for i in range(train.batch)]
                for b in range(first_batch, len(dataset) // train.batch)]
-    return torch.utils.data.DataLoader(dataset, batch_sampler=batches, num_workers=train.workers, collate_fn=collate,
-                                       worker_init_fn=_one_thread, prefetch_factor=4 if train.workers else 2)
+    workers = {"num_workers": train.workers, "worker_init_fn": _prepare_worker, "prefetch_factor": 4} if train.workers else {}
+    return torch.utils.data.DataLoader(dataset, batch_sampler=batches, collate_fn=collate, **workers)

@@ -28,19 +28,22 @@ def parse_maps(maps):
 
 def to_int8(values):
     """Round half to even, saturate at +-127."""
-    return np.clip(np.rint(values * UNITS), -127, 127).astype(np.int8)
+    scaled = np.multiply(values, UNITS, dtype=np.float32)
+    np.rint(scaled, out=scaled)
+    return np.clip(scaled, -127, 127, out=scaled).astype(np.int8)
 
 
 def normalised(energy, counts, side, config):
     """(z [K, h, w], log2(1 + sd / q) / 4 [h, w]) of an energy [K, h, w] and counts under the same support."""
     n = 16.0 * side ** (4 if side > 1 else 0)
-    ratio = energy / (counts + n * config.floor_events)
-    mean = ratio.mean(axis=0)
-    sd = np.sqrt(np.square(ratio - mean).mean(axis=0))
+    ratio = energy / (counts + np.float32(n * config.floor_events))
+    ratio -= ratio.mean(axis=0)
+    sd = np.sqrt(np.einsum("khw,khw->hw", ratio, ratio) / len(ratio))
     density = counts.mean(axis=0) / n
     support = 16.0 * (1.5 * side) ** 2 if side > 1 else 16.0  # pixels that count: boxes overlap
     q = np.sqrt(_NOISE / (support * (density + config.floor_events)))
-    return (ratio - mean) / (sd + config.floor_noise * q), np.log2(1 + sd / q) / 4
+    ratio *= 1 / (sd + config.floor_noise * q)
+    return ratio, np.log2(1 + sd / q) / 4
 
 
 def displacement_px(facts):
@@ -65,7 +68,7 @@ def network_input(facts, config):
                 value = support("gradient_x", side) + support("gradient_y", side)
             else:
                 cell_map = {"gradient_x": gradient_x, "gradient_y": gradient_y, "squares": squares, "counts": counts}[name]
-                value = egofocus_stack.support(cell_map, side).astype(np.float32)
+                value = egofocus_stack.support(cell_map, side)
             supported[name, side] = value
         return supported[name, side]
 

@@ -123,6 +123,13 @@ class Shard:
     def __len__(self):
         return len(self._records)
 
+    def world(self, index):
+        """Seed of the sample's world, without reading the rest."""
+        at, size = self._records[index]
+        if size < _HEAD.size:
+            raise TrainingError(BAD_FILE, f"{self.path}, sample {index}", "is too short to be a sample.")
+        return struct.unpack_from("<Q", self._bytes, at)[0]
+
     def __getitem__(self, index):
         at, size = self._records[index]
         return parse_sample(self._bytes[at:at + size], f"{self.path}, sample {index}")

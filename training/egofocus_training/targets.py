@@ -29,18 +29,22 @@ def coarse_index(index, weight, side):
 
 
 def histogram(index, weight, side, hypotheses, width):
-    """[D, h / side, w / side]: each pixel of a cell spread over hypotheses by exp(-|k - i| / width), sums 1 where known."""
+    """[D, h / side, w / side]: each pixel of a cell spread over hypotheses by exp(-|k - i| / width), |k - i| < 5; sums 1
+    where anything is known."""
     cells = cells_of(index, side, 0)
-    weights = cells_of(weight, side, 0)
+    weights = cells_of(weight, side, 0).astype(np.float64)
     rows, columns, pixels = cells.shape
-    low = np.clip(np.floor(cells).astype(np.int64), 0, hypotheses - 2)
-    high_share = (cells - low) * weights
-    at = np.arange(rows * columns).repeat(pixels)
-    bins = np.bincount(low.ravel() * (rows * columns) + at, (weights - high_share).ravel(), hypotheses * rows * columns)
-    bins += np.bincount((low.ravel() + 1) * (rows * columns) + at, high_share.ravel(), hypotheses * rows * columns)
-    bins = bins.reshape(hypotheses, rows * columns)
-    k = np.arange(hypotheses)
-    spread = np.exp(-np.abs(k[:, None] - k[None, :]) / width)
-    out = (spread / spread.sum(axis=0)) @ bins
-    total = out.sum(axis=0)
-    return (out / np.maximum(total, 1e-9)).reshape(hypotheses, rows, columns).astype(np.float32)
+    cell_count = rows * columns
+    low = np.minimum(cells.astype(np.int64), hypotheses - 2)
+    high_weight = (cells - low) * weights
+    at = low * cell_count + np.arange(cell_count).reshape(rows, columns, 1)
+    bins = np.bincount(at.ravel(), (weights - high_weight).ravel(), hypotheses * cell_count)
+    bins[cell_count:] += np.bincount(at.ravel(), high_weight.ravel(), hypotheses * cell_count)[:-cell_count]
+    bins = bins.astype(np.float32).reshape(hypotheses, rows, columns)
+    out = bins.copy()
+    for reach in range(1, 5):
+        share = np.float32(np.exp(-reach / width))
+        out[reach:] += share * bins[:-reach]
+        out[:-reach] += share * bins[reach:]
+    out /= np.maximum(out.sum(axis=0), 1e-9)
+    return out
