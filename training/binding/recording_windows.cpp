@@ -106,9 +106,11 @@ std::vector<CameraMotion> RecordingWindows::motion() const {
 
 std::vector<Event> RecordingWindows::events() const {
   std::vector<Event> out;
-  const EventWindow::Selection& chosen = stack_.selection();
-  for (std::uint32_t i = 0; i < chosen.count; ++i) {
-    const WindowEvent& event = stack_.window().at(chosen, i);
+  EventWindow::Selection all =
+      stack_.window().select(tick_us_ - folder_.camera.config.window.max_age_us, tick_us_);
+  all.count = static_cast<std::uint32_t>(all.in_window);  // not decimated
+  for (std::uint32_t i = 0; i < all.count; ++i) {
+    const WindowEvent& event = stack_.window().at(all, i);
     out.push_back({tick_us_ - EventWindow::age_us(event, tick_us_), event.x, event.y, 0});
   }
   return out;

@@ -14,6 +14,7 @@ class DataConfig:
     hold_out_every: int = 0  # every n-th shard of `train` is validation instead; 0: none
     validation_samples: int = 300  # evenly spread over the validation shards
     families: list = field(default_factory=list)  # names to train on; empty: all
+    limit: int = 0  # train on so many samples, evenly spread; 0: all
 
 
 @dataclass
@@ -24,7 +25,7 @@ class InputConfig:
     span_px: float = 40.0  # at most 40: citysim's windows reach no further back
     min_parallax_px: float = 5.0
     max_events: int = 80000
-    maps: list = field(default_factory=lambda: ["gradient:1", "gradient:3", "gradient:7", "squares:3"])
+    maps: list = field(default_factory=lambda: ["gradient:1", "gradient:3", "gradient:7", "squares:3", "squares:7"])
     floor_events: float = 0.05  # per pixel: keeps the ratio of energy and events from noise
     floor_noise: float = 1.0  # in standard deviations of what evenly spread events would do
 

@@ -4,8 +4,7 @@ import functools
 import numpy as np
 import torch
 
-import egofocus_stack
-
+from . import library
 from .augment import augment
 from .errors import BAD_FILE, TrainingError
 from .machine import keep_freed_memory
@@ -14,6 +13,11 @@ from .windows import network_inputs, stack_sample, training_targets, wanted_arra
 
 _WORLDS_TOGETHER = 48
 _ATTEMPTS = 20  # windows without parallax have no stack: another one takes their place
+
+
+def spread(count, wanted):
+    """Up to `wanted` of `count` indices, evenly spread."""
+    return np.unique(np.linspace(0, count - 1, min(count, wanted)).astype(int))
 
 
 class WindowDataset(torch.utils.data.Dataset):
@@ -25,6 +29,8 @@ class WindowDataset(torch.utils.data.Dataset):
         self.at = [(s, i) for s, shard in enumerate(self.shards) for i in range(len(shard))]
         if config.data.families:
             self.at = [(s, i) for s, i in self.at if self.shards[s][i].family in config.data.families]
+        if config.data.limit > 0:
+            self.at = [self.at[i] for i in spread(len(self.at), config.data.limit)]
         self.world = np.array([self.shards[s].world(i) for s, i in self.at], np.uint64)
         if not self.at:
             raise TrainingError(BAD_FILE, self.shards[0].path, "holds no samples of the wanted families.")
@@ -73,7 +79,7 @@ def _prepare_worker(_):
     keep_freed_memory()
     torch.set_num_threads(1)
     train = torch.utils.data.get_worker_info().dataset.config.train
-    egofocus_stack.keep_rays(train.ray_cache_mb << 20)
+    library.stack.keep_rays(train.ray_cache_mb << 20)
 
 
 def epoch_loader(dataset, epoch, first_batch):

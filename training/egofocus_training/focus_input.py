@@ -9,7 +9,7 @@ Both leave as int8 in units of 1/16: the integer model starts from these bytes.
 """
 import numpy as np
 
-import egofocus_stack
+from . import library
 
 UNITS = 16.0  # int8 value per 1.0
 _NOISE = 4.0  # a: variance of R n S for evenly spread events, gradient energy
@@ -68,7 +68,7 @@ def network_input(facts, config):
                 value = support("gradient_x", side) + support("gradient_y", side)
             else:
                 cell_map = {"gradient_x": gradient_x, "gradient_y": gradient_y, "squares": squares, "counts": counts}[name]
-                value = egofocus_stack.support(cell_map, side)
+                value = library.stack.support(cell_map, side)
             supported[name, side] = value
         return supported[name, side]
 

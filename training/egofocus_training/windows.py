@@ -1,8 +1,7 @@
 """A sample as the network sees it: the library's stack and energies, and the truth in steps of its ladder."""
 import numpy as np
 
-import egofocus_stack
-
+from . import library
 from .focus_input import network_input
 from .targets import coarse_index, histogram, index_of
 
@@ -16,7 +15,7 @@ def ladder_of(input_config, z_near_m, span_factor=1.0):
 def stack_sample(sample, input_config, wanted, crop=(0, 0, 0, 0), span_factor=1.0):
     """The binding's facts and arrays of one sample."""
     camera = sample.camera
-    return egofocus_stack.stack_window(
+    return library.stack.stack_window(
         t_us=sample.t_us, x=sample.x, y=sample.y, motion_t_us=sample.motion_t_us, velocity_m_s=sample.velocity_m_s,
         rate_rad_s=sample.rate_rad_s, camera=camera.grid(), distortion=camera.distortion,
         coefficients=list(camera.coefficients), ladder=ladder_of(input_config, sample.z_near_m, span_factor),
