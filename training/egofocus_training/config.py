@@ -63,7 +63,8 @@ class LossConfig:
     label_width: float = 0.6  # of that histogram, in hypotheses
     index: float = 0.3  # robust error of the index, in hypotheses
     log_depth: float = 1.0  # of the logarithm of inverse depth: far blunders
-    log_floor: float = 0.5  # hypotheses added to both before the logarithm
+    log_floor: float = 0.25  # hypotheses added to both before the logarithm
+    log_square: float = 1.0  # weight of its square beside its absolute value
     coarse: float = 0.3  # weight of the 1/8 head's distribution
     movers: float = 0.0  # weight of pixels on things that move by themselves
 

@@ -1,8 +1,9 @@
 """The loss: is the distribution right, is the index right, and is the depth not grossly wrong?
 
-    L = a H(label, p) + b sum_s huber(i_s - t_s) + c sum_s |ln((i_s + e) / (t_s + e))| + d H(label_8, p_8)
+    L = a H(label, p) + b sum_s huber(i_s - t_s) + c sum_s (|l_s| + f l_s^2) + d H(label_8, p_8),  l = ln((i + e) / (t + e))
 s: 1/4 (regression) and 1/2 (refined); t: truth's index; every term a mean over cells, weighted where things move.
-The logarithm is that of inverse depth: sky in place of a near wall costs ln(1 + t / e), however confident.
+l is the error of log depth: sky in place of a near wall costs ln(1 + t / e), and its square more than many small errors.
+Without the square the estimate is a median, which in doubt goes far away.
 """
 import torch
 from torch.nn import functional
@@ -25,8 +26,9 @@ def huber(error, knee=1.0):
     return torch.where(size < knee, size * size / (2 * knee), size - knee / 2)
 
 
-def log_error(index, truth, floor):
-    return torch.log((index + floor) / (truth + floor)).abs()
+def log_error(index, truth, floor, square):
+    size = torch.log((index + floor) / (truth + floor)).abs()
+    return size + square * size * size
 
 
 def loss_terms(prediction, batch, config):
@@ -38,7 +40,8 @@ def loss_terms(prediction, batch, config):
     for estimate, scale in ((prediction.index_4, 4), (prediction.index, 2)):
         truth, weight = batch[f"index_{scale}"], batch[f"weight_{scale}"]
         index = index + weighted_mean(huber(estimate.float() - truth), weight)
-        log = log + weighted_mean(log_error(estimate.float().clamp(min=0), truth, config.log_floor), weight)
+        log = log + weighted_mean(log_error(estimate.float().clamp(min=0), truth, config.log_floor, config.log_square),
+                                  weight)
     terms["index"] = config.index * index
     terms["log_depth"] = config.log_depth * log
     if prediction.coarse is not None and config.coarse > 0:

@@ -17,7 +17,8 @@ def test_parts():
     expected = -(0.5 * math.log(1 / 4) + 0.5 * math.log(3 / 4))
     assert cross_entropy(scores, label, torch.tensor([2])).item() == pytest.approx(expected)
     assert huber(torch.tensor([0.5, -3.0])).tolist() == [0.125, 2.5]
-    assert log_error(torch.tensor(0.0), torch.tensor(9.5), 0.5).item() == pytest.approx(math.log(20))
+    assert log_error(torch.tensor(0.0), torch.tensor(9.5), 0.5, 0.0).item() == pytest.approx(math.log(20))
+    assert log_error(torch.tensor(2.0), torch.tensor(7.0), 0.5, 2.0).item() == pytest.approx(math.log(3) + 2 * math.log(3) ** 2)
     assert weighted_mean(torch.tensor([1.0, 5.0]), torch.tensor([3.0, 1.0])).item() == 2.0
     assert weighted_mean(torch.tensor([1.0]), torch.tensor([0.0])).item() == 0
 
@@ -30,7 +31,7 @@ def test_the_whole():
              "weight_4": torch.tensor([[[1.0, 0], [0, 0]]]), "index_2": torch.full((1, 4, 4), 2.0),
              "weight_2": torch.ones(1, 4, 4)}
     prediction = Prediction(scores, torch.zeros(1, 4, 1, 1), torch.full((1, 2, 2), 3.0), torch.full((1, 4, 4), 2.0), None)
-    config = LossConfig(distribution=2.0, index=0.5, log_depth=3.0, log_floor=0.5, coarse=0.25)
+    config = LossConfig(distribution=2.0, index=0.5, log_depth=3.0, log_floor=0.5, log_square=0.0, coarse=0.25)
     terms = {name: term.item() for name, term in loss_terms(prediction, batch, config).items()}
     assert terms == pytest.approx({"distribution": 2 * math.log(4), "index": 0.5 * 1.5, "log_depth": 3 * math.log(3.5 / 1.5),
                                    "coarse": 0.25 * math.log(4)}, rel=1e-5)
@@ -39,7 +40,7 @@ def test_the_whole():
 def test_a_far_blunder_costs_more_than_a_near_one():
     config = LossConfig()
     truth = torch.tensor([10.0])
-    sky, nearer = log_error(torch.tensor([0.0]), truth, config.log_floor), log_error(torch.tensor([20.0]), truth, config.log_floor)
+    sky, nearer = (log_error(torch.tensor([i]), truth, config.log_floor, config.log_square) for i in (0.0, 20.0))
     assert sky > 4 * nearer
 
 

@@ -86,11 +86,11 @@ def test_splits(tmp_path):
 
 @pytest.mark.skipif(not os.environ.get("EGOFOCUS_CITYSIM"), reason="citysim was not built")
 def test_what_citysim_writes(tmp_path):
-    subprocess.run([os.environ["EGOFOCUS_CITYSIM"], "samples", "--out", str(tmp_path), "--count", "1", "--size", "64x48",
+    subprocess.run([os.environ["EGOFOCUS_CITYSIM"], "samples", "--out", str(tmp_path), "--count", "1", "--size", "64x64",
                     "--families", "desk", "--seed", "3"], check=True, capture_output=True)
     shard = Shard(tmp_path / "shard_000000.egs")
     assert len(shard) == 64 and len({shard.world(i) for i in range(64)}) == 8
     for i in range(0, 64, 9):
         sample = shard[i]
-        assert sample.family == "desk" and sample.inverse_depth.shape == (48, 64)
+        assert sample.family == "desk" and sample.inverse_depth.shape == (64, 64)
         assert sample.t_us.size and sample.t_us[0] >= -sample.window_us and np.linalg.norm(sample.velocity_m_s) > 0
