@@ -33,8 +33,8 @@ class InputConfig:
 @dataclass
 class NetworkConfig:
     order: str = "focus_first"  # or "published"
-    cost_channels: int = 4  # per hypothesis, after focus cost discrimination
-    cost_hidden: int = 8
+    cost_channels: int = 4  # per hypothesis, after focus cost discrimination; 0: the maps as they come
+    cost_hidden: int = 8  # between its two convolutions; 0: one convolution
     ihca_blocks: int = 0
     widths: list = field(default_factory=lambda: [64, 96, 128])  # at 1/4, 1/8, 1/16
     blocks: list = field(default_factory=lambda: [1, 2, 2])  # residual blocks on the way down, at each
@@ -138,6 +138,8 @@ def _check(config, where):
         need(name in ("gradient", "gradient_x", "gradient_y", "squares") and side in ("1", "3", "5", "7"),
              f"[input] maps: `{entry}` is not gradient, gradient_x, gradient_y or squares with :1 :3 :5 :7")
     need(n.order in ("focus_first", "published"), "[network] order: focus_first or published")
+    need(n.cost_channels > 0 or n.order == "focus_first", "[network] cost_channels: the published order needs some")
+    need(min(n.cost_channels, n.cost_hidden, n.ihca_blocks) >= 0, "[network] channels and blocks are not negative")
     need(len(n.widths) == 3 and len(n.blocks) == 3 and len(n.up_blocks) == 2,
          "[network] widths and blocks have three entries, up_blocks two")
     need(len(a.crop) in (0, 2) and all(c >= 32 and c % 16 == 0 for c in a.crop),

@@ -71,6 +71,8 @@ def test_focus_cost_shares_its_filter_and_sees_one_hypothesis_alone():
     assert torch.allclose(swapped.flip(1), cost, atol=1e-6)
     z[:, 2] += 1
     assert torch.equal(fcd(z)[:, 3], cost[:, 3])
+    assert FocusCost(3, 0, 4)(z).shape == (2, 5, 4, 6, 7) and len(list(FocusCost(3, 0, 4).parameters())) == 3
+    assert FocusCost(3, 8, 0).channels == 3 and torch.equal(FocusCost(3, 8, 0)(z), z)
 
 
 def test_ihca_adds_what_the_neighbours_say():
@@ -168,5 +170,5 @@ def test_cost_of_a_layer_and_the_budgets():
         assert total["macs"] <= macs and total["weight_bytes"] <= 1.5e6, name
         assert total["macs"] > 0.8 * macs, name  # what is not spent is not used
     rows = {r["layer"]: r for r in layer_table(load_config(configs / "base.toml"), 346, 260)}
-    first = rows["fcd.first.0"]
+    first = rows["fcd.filter.0.0"]
     assert first["macs"] == 48 * 65 * 87 * 5 * 9 * 8 and first["weight_bytes"] == 5 * 9 * 8 + 8 * 8

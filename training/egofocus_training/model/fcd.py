@@ -1,7 +1,8 @@
 """FCD, focus cost discrimination: how sharp is each hypothesis? One filter for all of them.
 
 Focus first: gradient energies E_k under supports r were taken from the full-resolution image by the library
-(focus_input.py); here  C_k = conv(relu(conv(z_k)))  of all maps of hypothesis k, 3x3.
+(focus_input.py); here  C_k = conv(relu(conv(z_k)))  of all maps of hypothesis k, 3x3. Without hidden channels one
+convolution is left, without cost channels none: C = z.
 
 Published order, of features F [D, h, w], one channel per hypothesis:
     G_X = maps {Gx, Gy, Gxx, Gyy, Gxy, Gxx * Gyy} of F_k,   R = sum_X w_X f_X(G_X),   C_k = sqrt(box_r R^2)
@@ -21,16 +22,21 @@ _XY = [[0.25, 0, -0.25], [0, 0, 0], [-0.25, 0, 0.25]]
 
 
 class FocusCost(nn.Module):
-    """z [B, D, maps, h, w] -> C [B, D, cost channels, h, w]"""
+    """z [B, D, maps, h, w] -> C [B, D, channels, h, w]; `channels` may differ from the wanted number: see above."""
 
     def __init__(self, maps, hidden, channels):
         super().__init__()
-        self.first = ConvBnRelu(maps, hidden)
-        self.second = ConvBnRelu(hidden, channels)
+        layers = []
+        if channels > 0 and hidden > 0:
+            layers = [ConvBnRelu(maps, hidden), ConvBnRelu(hidden, channels)]
+        elif channels > 0:
+            layers = [ConvBnRelu(maps, channels)]
+        self.filter = nn.Sequential(*layers)
+        self.channels = channels if channels > 0 else maps
 
     def forward(self, z):
         batch, depth = z.shape[:2]
-        cost = self.second(self.first(per_hypothesis(z)))
+        cost = self.filter(per_hypothesis(z))
         return cost.reshape(batch, depth, *cost.shape[1:])
 
 
@@ -49,6 +55,7 @@ class FeatureFocusCost(nn.Module):
         self.discriminate = ConvBnRelu(6, 6, groups=6)
         self.combine = nn.Conv2d(6, channels, 1, bias=False)
         self.support = support
+        self.channels = channels
 
     def forward(self, features):
         batch, depth, h, w = features.shape

@@ -39,8 +39,8 @@ class FocusNetwork(nn.Module):
             self.fcd = FeatureFocusCost(config.cost_channels)
         else:
             self.fcd = FocusCost(len(input_config.maps), config.cost_hidden, config.cost_channels)
-        self.ihca = nn.Sequential(*(InterHypothesisBlock(config.cost_channels) for _ in range(config.ihca_blocks)))
-        self.aggregation = CrossScaleAggregation(depth, config.cost_channels, context_channels(input_config),
+        self.ihca = nn.Sequential(*(InterHypothesisBlock(self.fcd.channels) for _ in range(config.ihca_blocks)))
+        self.aggregation = CrossScaleAggregation(depth, self.fcd.channels, context_channels(input_config),
                                                  config.widths, config.blocks, config.up_blocks)
         self.regression = distribution
         self.refinement = Refinement(depth, config.widths[0], config.refine_width, config.refine_dilations)
