@@ -62,3 +62,12 @@ def require_same_network(path, state, config):
             if theirs != value:
                 raise TrainingError(CONFIGURATION, path, f"holds another network: [{section}] {key} is {theirs!r} there and "
                                     f"{value!r} in the config. Use its config, or another --out.")
+
+
+def load_weights(network, weights, path):
+    """load_state_dict; TrainingError (CONFIGURATION) when the program's own stages have changed since."""
+    try:
+        network.load_state_dict(weights)
+    except RuntimeError as error:
+        first = str(error).splitlines()[1].strip() if "\n" in str(error) else str(error)
+        raise TrainingError(CONFIGURATION, path, f"was written by another version of the network ({first[:120]}).") from None

@@ -90,6 +90,16 @@ class TrainConfig:
 
 
 @dataclass
+class RecordingConfig:
+    """A recording that each evaluation also looks at: never trained on, never chosen by. Paths relative to the config file."""
+    folder: str = ""
+    source: str = ""  # odometry or poses; empty: what its camera.toml says
+    reference: str = ""  # npz with depth (m) and valid; empty: its own depth pictures
+    at_us: int = 0  # time of the reference
+    z_near_m: float = 0.35
+
+
+@dataclass
 class Config:
     data: DataConfig = field(default_factory=DataConfig)
     input: InputConfig = field(default_factory=InputConfig)
@@ -97,6 +107,7 @@ class Config:
     augment: AugmentConfig = field(default_factory=AugmentConfig)
     loss: LossConfig = field(default_factory=LossConfig)
     train: TrainConfig = field(default_factory=TrainConfig)
+    recording: RecordingConfig = field(default_factory=RecordingConfig)
 
     def network_facts(self):
         """What weights depend on: equal facts, same network."""
@@ -168,13 +179,19 @@ def parse_config(text, where):
 
 
 def load_config(path):
-    """As parse_config, of a file; the data folders become absolute. TrainingError (FILE) when it cannot be read."""
+    """As parse_config, of a file; paths become absolute. TrainingError (FILE) when it cannot be read."""
     path = pathlib.Path(path)
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise TrainingError(FILE, path, f"cannot be read ({error.strerror}).") from None
     config = parse_config(text, path)
-    for name in ("train", "validation"):
-        setattr(config.data, name, [str((path.parent / folder).resolve()) for folder in getattr(config.data, name)])
+    def beside(name):
+        return str((path.parent / name).resolve())
+
+    config.data.train = [beside(folder) for folder in config.data.train]
+    config.data.validation = [beside(folder) for folder in config.data.validation]
+    for name in ("folder", "reference"):
+        if getattr(config.recording, name):
+            setattr(config.recording, name, beside(getattr(config.recording, name)))
     return config

@@ -85,7 +85,7 @@ def load_network(path, config):
     state = checkpoint.read(path)
     checkpoint.require_same_network(path, state, config)
     network = FocusNetwork(config.input, config.network)
-    network.load_state_dict(state.get("average", state["network"]))
+    checkpoint.load_weights(network, state.get("average", state["network"]), path)
     return network.eval().to(memory_format=torch.channels_last)
 
 

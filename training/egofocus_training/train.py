@@ -10,11 +10,12 @@ from .config import load_config
 from .evaluate import evaluate, spread_over
 from .journal import Journal, Progress, draw_curves
 from .machine import keep_freed_memory
+from .recordings import evaluate_recording
 from .samples import split_shards
 from .trainer import CHECKPOINT, Trainer
 
 _CURVES = ["loss", "distribution coarse", "index log_depth", "d1_all d1_events", "abs_rel_all abs_rel_events",
-           "idx_mae_all idx_mae_events"]
+           "idx_mae_all idx_mae_events", "recording_abs_rel recording_median recording_d1"]
 
 
 class Run:
@@ -70,10 +71,13 @@ class Run:
         self.sums, self.logged = {}, (self.trainer.step, self.trainer.seconds)
 
     def evaluate(self):
-        if not self.validation:
-            return
-        rows, _ = evaluate(self.trainer.average.network, self.validation, self.config, classical=False)
+        rows = []
         entry = {"step": self.trainer.step, "evaluation": rows}
+        if self.validation:
+            rows += evaluate(self.trainer.average.network, self.validation, self.config, classical=False)[0]
+        if self.config.recording.folder:
+            means, _ = evaluate_recording(self.trainer.average.network, self.config)
+            entry.update({f"recording_{name}": value for name, value in means.get("network", {}).items()})
         for row in rows:
             if row["family"] == "overall":
                 entry.update({f"{name}_{row['set']}": row[name] for name in ("d1", "abs_rel", "rmse_log", "idx_mae")})

@@ -61,8 +61,8 @@ class Trainer:
     def resume(self, path):
         state = checkpoint.read(path, self.device)
         checkpoint.require_same_network(path, state, self.config)
-        self.network.load_state_dict(state["network"])
-        self.average.network.load_state_dict(state["average"])
+        checkpoint.load_weights(self.network, state["network"], path)
+        checkpoint.load_weights(self.average.network, state["average"], path)
         self.optimiser.load_state_dict(state["optimiser"])
         self.step, self.epoch, self.batch = state["step"], state["epoch"], state["batch"]
         self.seconds, self.shards = state["seconds"], state["shards"]
