@@ -20,10 +20,11 @@ def test_scores_by_hand():
 
 def test_the_fixture():
     config = Config(recording=RecordingConfig(folder=PLANES, source="poses", z_near_m=0.95))
+    config.network.widths, config.network.blocks = [16, 16, 16], [0, 0, 0]
     network = FocusNetwork(config.input, config.network).eval()
     means, images = evaluate_recording(network, config)
     assert images >= 20
-    assert means["sgm"]["d1"] > 0.9 and means["sgm"]["median"] < 0.03
+    assert means["sgm"]["d1"] > 0.8 and means["sgm"]["median"] < 0.05  # slow ramps included
     assert 0 < means["network"]["abs_rel"] < 1  # untrained: a number, no more
 
 
