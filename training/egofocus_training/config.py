@@ -5,6 +5,7 @@ import tomllib
 from dataclasses import dataclass, field
 
 from .errors import CONFIGURATION, FILE, TrainingError
+from .samples import FAMILIES
 
 
 @dataclass
@@ -142,6 +143,8 @@ def _check(config, where):
     i, n, a, t = config.input, config.network, config.augment, config.train
     need(8 <= i.hypotheses <= 64 and i.hypotheses % 8 == 0, "[input] hypotheses: a multiple of 8 from 8 to 64")
     need(i.ladder in ("parallax", "metric"), "[input] ladder: parallax or metric")
+    unknown = [name for name in config.data.families if name not in FAMILIES]
+    need(not unknown, f"[data] families: no family is called {', '.join(map(str, unknown))}; there are {', '.join(FAMILIES)}")
     need(2 <= i.span_px <= 40, "[input] span_px: 2 to 40, as far as citysim's windows reach")
     need(i.maps, "[input] maps: at least one")
     for entry in i.maps:

@@ -1,5 +1,6 @@
 """Training windows in a seeded order: what step n trains on depends on the seed and the shards alone."""
 import functools
+import signal
 
 import numpy as np
 import torch
@@ -8,7 +9,7 @@ from . import library
 from .augment import augment
 from .errors import BAD_FILE, TrainingError
 from .machine import keep_freed_memory
-from .samples import Shard
+from .samples import FAMILIES, Shard
 from .windows import network_inputs, stack_sample, training_targets, wanted_arrays
 
 _WORLDS_TOGETHER = 48
@@ -28,7 +29,8 @@ class WindowDataset(torch.utils.data.Dataset):
         self.shards = [Shard(path) for path in paths]
         self.at = [(s, i) for s, shard in enumerate(self.shards) for i in range(len(shard))]
         if config.data.families:
-            self.at = [(s, i) for s, i in self.at if self.shards[s][i].family in config.data.families]
+            wanted = {FAMILIES.index(name) for name in config.data.families}
+            self.at = [(s, i) for s, i in self.at if self.shards[s].family(i) in wanted]
         if config.data.limit > 0:
             self.at = [self.at[i] for i in spread(len(self.at), config.data.limit)]
         self.world = np.array([self.shards[s].world(i) for s, i in self.at], np.uint64)
@@ -48,7 +50,13 @@ class WindowDataset(torch.utils.data.Dataset):
         return np.lexsort((random.random(len(of)), rank // _WORLDS_TOGETHER))
 
     def __getitem__(self, key):
-        epoch, position = key
+        """An error is an item, too: a worker's exception would lose its exit code on the way."""
+        try:
+            return self.window(*key)
+        except TrainingError as error:
+            return error
+
+    def window(self, epoch, position):
         random = np.random.default_rng([self.config.train.seed, 2, epoch, position])
         published = self.config.network.order == "published"
         where = int(self.order(epoch)[position])
@@ -56,7 +64,10 @@ class WindowDataset(torch.utils.data.Dataset):
             shard, index = self.at[where]
             of_world = np.random.default_rng([self.config.train.seed, 3, epoch, int(self.world[where])])
             sample, crop, span = augment(self.shards[shard][index], self.config.augment, random, of_world)
-            facts = stack_sample(sample, self.config.input, wanted_arrays(published), crop, span)
+            try:
+                facts = stack_sample(sample, self.config.input, wanted_arrays(published), crop, span)
+            except library.stack.StackError as error:
+                raise TrainingError(BAD_FILE, f"{self.shards[shard].path}, sample {index}", str(error)) from None
             if facts["has_stack"]:
                 item = network_inputs(facts, self.config.input, published)
                 item.update(training_targets(sample, facts, crop, self.config.loss, self.config.input.hypotheses))
@@ -67,7 +78,10 @@ class WindowDataset(torch.utils.data.Dataset):
 
 
 def collate(items):
-    """Stacks numpy arrays into tensors; targets become float."""
+    """Stacks numpy arrays into tensors; the histogram becomes float. The first error stands for the batch."""
+    for item in items:
+        if isinstance(item, TrainingError):
+            return item
     out = {}
     for name in items[0]:
         stacked = torch.from_numpy(np.stack([item[name] for item in items]))
@@ -76,6 +90,8 @@ def collate(items):
 
 
 def _prepare_worker(_):
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the training process decides when to stop
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     keep_freed_memory()
     torch.set_num_threads(1)
     train = torch.utils.data.get_worker_info().dataset.config.train

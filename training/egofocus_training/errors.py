@@ -9,11 +9,14 @@ DIVERGED = 8  # the loss is no longer a number
 
 
 class TrainingError(Exception):
-    """One line for people: "where: what. What to do"."""
+    """One line for people: "where: what. What to do". Comes through from a worker process as it is."""
 
     def __init__(self, exit_code, where, what):
         super().__init__(f"{where}: {what}")
-        self.exit_code = exit_code
+        self.exit_code, self.where, self.what = exit_code, str(where), what
+
+    def __reduce__(self):
+        return TrainingError, (self.exit_code, self.where, self.what)
 
 
 def run(main):

@@ -123,12 +123,19 @@ class Shard:
     def __len__(self):
         return len(self._records)
 
-    def world(self, index):
-        """Seed of the sample's world, without reading the rest."""
+    def _head(self, index):
         at, size = self._records[index]
         if size < _HEAD.size:
             raise TrainingError(BAD_FILE, f"{self.path}, sample {index}", "is too short to be a sample.")
-        return struct.unpack_from("<Q", self._bytes, at)[0]
+        return _HEAD.unpack_from(self._bytes, at)
+
+    def world(self, index):
+        """Seed of the sample's world, without reading the rest."""
+        return self._head(index)[0]
+
+    def family(self, index):
+        """Number of the sample's family in FAMILIES, the same way."""
+        return self._head(index)[2]
 
     def __getitem__(self, index):
         at, size = self._records[index]

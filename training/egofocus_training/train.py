@@ -1,6 +1,8 @@
 """python3 -m egofocus_training.train --config FILE --out DIR [--resume]: trains, evaluates, keeps checkpoints and curves."""
 import argparse
 import pathlib
+import signal
+import sys
 import time
 
 import torch
@@ -41,8 +43,15 @@ class Run:
         self.progress = Progress("train", config.train.steps)
         self.started = self.saved = self.evaluated = time.monotonic()
         self.stop_after_s = stop_after_s
+        self.interrupted = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self.interrupt)
         self.sums = {}
         self.logged = (self.trainer.step, self.trainer.seconds)
+
+    def interrupt(self, *_):
+        """The step that runs is finished, and a checkpoint written."""
+        self.interrupted = True
 
     def after_step(self, terms):
         trainer, train = self.trainer, self.config.train
@@ -57,7 +66,7 @@ class Run:
         if now - self.saved > train.checkpoint_every_s:
             self.save()
             self.saved = time.monotonic()
-        return self.stop_after_s is not None and now - self.started > self.stop_after_s
+        return self.interrupted or (self.stop_after_s is not None and now - self.started > self.stop_after_s)
 
     def log(self):
         steps = self.trainer.step - self.logged[0]
@@ -107,11 +116,12 @@ def main():
         raise errors.TrainingError(errors.CONFIGURATION, arguments.config, "[train] device is cuda, and this machine or this "
                                    "build of PyTorch has none.")
     run = Run(config, arguments.out, arguments.resume, arguments.stop_after_s)
-    try:
-        run.trainer.run(config.train.steps, run.after_step)
-    except KeyboardInterrupt:
+    run.trainer.run(config.train.steps, run.after_step)
+    if run.interrupted:
         run.save()
-        raise
+        run.progress.end()
+        print(f"interrupted at step {run.trainer.step}; --resume goes on", file=sys.stderr)
+        return 130
     run.evaluate()
     run.save()
     run.progress.end()

@@ -101,6 +101,8 @@ class Trainer:
                 raise TrainingError(CONFIGURATION, "[train] batch", f"{len(dataset)} samples do not fill one batch.")
             last = time.monotonic()
             for batch in epoch_loader(dataset, self.epoch, self.batch):
+                if isinstance(batch, TrainingError):
+                    raise batch
                 terms = self.train_step(batch)
                 now = time.monotonic()
                 self.seconds += now - last

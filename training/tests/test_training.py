@@ -1,7 +1,9 @@
 """The loop: it learns, it goes on exactly where it was, and it refuses what it cannot do with one message."""
 import json
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 import small_world
@@ -128,6 +130,16 @@ def test_nan_stops_before_anything_is_spoilt(folder):
     assert all(torch.equal(t, trainer.network.state_dict()[name]) for name, t in before.items())
 
 
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_damaged_sample_is_named_with_its_exit_code(folder, tmp_path, workers):
+    records = small_world.varied_records(4)
+    records[2] = records[2][:-1]
+    small_world.write_shards(tmp_path / "shards", [records])
+    config = configured(tmp_path, workers=workers)
+    code, message = refusal(lambda: trained(config, 4))
+    assert code == BAD_FILE and "shard_000000.egs, sample 2" in message and "citysim samples" in message
+
+
 def test_checkpoints_that_are_none_or_another_networks(folder, tmp_path):
     trainer, _ = trained(configured(folder), 1)
     trainer.save(tmp_path)
@@ -157,6 +169,7 @@ def test_too_little_disk(tmp_path, monkeypatch):
     ("[input]\nhypotheses = 36", "a multiple of 8"),
     ("[input]\nmaps = ['gradient:4']", "`gradient:4` is not"),
     ("[augment]\ncrop = [100, 208]", "multiples of 16"),
+    ("[data]\nfamilies = ['town9']", "no family is called town9"),
     ("steps", "is not TOML"),
 ])
 def test_wrong_configs(text, words):
@@ -187,5 +200,15 @@ def test_the_programs(folder, tmp_path):
     assert done.returncode == 0, done.stderr
     rows = json.loads(done.stdout)["rows"]
     assert {r["method"] for r in rows} == {"network", "argmax", "sgm", "median"}
+    running = subprocess.Popen([sys.executable, "-m", "egofocus_training.train", "--config", config, "--out", out + "2"],
+                               stderr=subprocess.PIPE, text=True)
+    log = tmp_path / "out2" / "log.jsonl"
+    while running.poll() is None and not log.exists():
+        time.sleep(0.05)
+    running.send_signal(signal.SIGTERM)
+    stderr = running.communicate()[1]
+    if running.returncode != 0:  # it may have been quicker
+        assert running.returncode == 130 and "--resume goes on" in stderr
+    assert (tmp_path / "out2" / "checkpoint.pt").exists()
     missing = program("train", "--config", str(tmp_path / "none.toml"), "--out", out)
     assert missing.returncode == 3 and "none.toml" in missing.stderr
