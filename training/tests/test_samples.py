@@ -1,5 +1,6 @@
 """The reader of shards: every field where the layout puts it, and one clear message for what is no shard."""
 import os
+import pathlib
 import struct
 import subprocess
 
@@ -84,9 +85,17 @@ def test_splits(tmp_path):
     assert refusal(lambda: split_shards(DataConfig(train=[str(a)], hold_out_every=1)))[0] == FILE
 
 
-@pytest.mark.skipif(not os.environ.get("EGOFOCUS_CITYSIM"), reason="citysim was not built")
+def citysim():
+    """The program, of whichever build."""
+    build = pathlib.Path(__file__).resolve().parents[2] / "build"
+    places = [os.environ.get("EGOFOCUS_CITYSIM", "")] + [build / name / "tools/citysim/citysim" for name in ("release", "training", "dev")]
+    found = [str(place) for place in places if os.access(place, os.X_OK)]
+    return found[0] if found else None
+
+
+@pytest.mark.skipif(citysim() is None, reason="citysim was not built")
 def test_what_citysim_writes(tmp_path):
-    subprocess.run([os.environ["EGOFOCUS_CITYSIM"], "samples", "--out", str(tmp_path), "--count", "1", "--size", "64x64",
+    subprocess.run([citysim(), "samples", "--out", str(tmp_path), "--count", "1", "--size", "64x64",
                     "--families", "desk", "--seed", "3"], check=True, capture_output=True)
     shard = Shard(tmp_path / "shard_000000.egs")
     assert len(shard) == 64 and len({shard.world(i) for i in range(64)}) == 8
