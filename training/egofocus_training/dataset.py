@@ -12,7 +12,7 @@ from .machine import keep_freed_memory
 from .samples import FAMILIES, Shard
 from .windows import network_inputs, stack_sample, training_targets, wanted_arrays
 
-_WORLDS_TOGETHER = 48
+_WORLDS_TOGETHER = 256
 _ATTEMPTS = 20  # windows without parallax have no stack: another one takes their place
 
 

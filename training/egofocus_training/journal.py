@@ -47,8 +47,8 @@ def draw_curves(series, path, names):
     for panel, group in enumerate(names):
         lines = [(name, series[name]) for name in group.split() if len(series.get(name, ())) > 1]
         top = panel * height
-        draw.text((margin, top + 4), group if lines else f"{group}: nothing yet", fill="black")
         if not lines:
+            draw.text((margin, top + 4), f"{group}: nothing yet", fill="black")
             continue
         values = sorted(v for _, points in lines for _, v in points)
         low, high = values[0], values[min(len(values) - 1, int(len(values) * 0.98))]
@@ -70,7 +70,7 @@ def draw_curves(series, path, names):
         for i, (name, points) in enumerate(lines):
             colour = _COLOURS[i % len(_COLOURS)]
             draw.line([at(*p) for p in points], fill=colour, width=2)
-            draw.text((margin + 120 * (i + 1), top + 4), name, fill=colour)
+            draw.text((margin + 140 * i, top + 4), name, fill=colour)
     picture.save(path)
 
 
