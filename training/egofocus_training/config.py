@@ -161,6 +161,9 @@ def _check(config, where):
     need(len(a.span) == 2 and 0.1 <= a.span[0] <= a.span[1] <= 1, "[augment] span: [low, high] within 0.1 to 1")
     need(0 <= a.event_drop < 1, "[augment] event_drop: 0 to below 1")
     need(t.steps > 0 and t.batch > 0 and t.log_every > 0, "[train] steps, batch and log_every are positive")
+    need(min(t.workers, t.threads, t.ray_cache_mb, t.warmup_steps) >= 0,
+         "[train] workers, threads, ray_cache_mb and warmup_steps are not negative")
+    need(t.learning_rate > 0 and t.clip_norm > 0, "[train] learning_rate and clip_norm are positive")
     need(0 <= t.ema < 1, "[train] ema: 0 to below 1")
     need(t.device in ("cpu", "cuda"), "[train] device: cpu or cuda")
 
