@@ -1,8 +1,10 @@
 """What the network is told of a window: sharpness of each hypothesis, normalised, and a few maps of context. No weights.
 
 Per cell p of 4x4 px, hypothesis k < K and map m (an energy E and the counts S under the same support, from the library):
-    R_k = E_k / (S_k + n floor_events)                 n: pixels that the support weighs
-    z_k = (R_k - mean_k R) / (sd_k R + floor_noise q)  q^2 = a / (n (S / n + floor_events)): what evenly spread events do
+    R_k = E_k / (S_k + n floor_events)                 n = 16 side^4: the support's whole weight, in pixels
+    z_k = (R_k - mean_k R) / (sd_k R + floor_noise q)  q^2 = a / (m (mean_k S / n + floor_events))
+q is about what sd would be if events were evenly spread, m the number of pixels that a support rests on: (6 side)^2, since its
+two boxes overlap, and 16 without a support.
 Hypotheses k >= K, which the ladder left out, are 0. Context: density of events under both ends of the supports, log of
 sd / q of each map, the parallax of one hypothesis at p in px (x, y, norm), and K / D.
 Both leave as int8 in units of 1/16: the integer model starts from these bytes.
@@ -12,7 +14,7 @@ import numpy as np
 from . import library
 
 UNITS = 16.0  # int8 value per 1.0
-_NOISE = 4.0  # a: variance of R n S for evenly spread events, gradient energy
+_NOISE = 4.0  # a: a gradient's energy is 4 per event where events are evenly spread, and varies as much
 
 
 def context_channels(config):
@@ -35,13 +37,13 @@ def to_int8(values):
 
 def normalised(energy, counts, side, config):
     """(z [K, h, w], log2(1 + sd / q) / 4 [h, w]) of an energy [K, h, w] and counts under the same support."""
-    n = 16.0 * side ** (4 if side > 1 else 0)
+    n = 16.0 * side ** 4
     ratio = energy / (counts + np.float32(n * config.floor_events))
     ratio -= ratio.mean(axis=0)
     sd = np.sqrt(np.einsum("khw,khw->hw", ratio, ratio) / len(ratio))
     density = counts.mean(axis=0) / n
-    support = 16.0 * (1.5 * side) ** 2 if side > 1 else 16.0  # pixels that count: boxes overlap
-    q = np.sqrt(_NOISE / (support * (density + config.floor_events)))
+    m = (6.0 * side) ** 2 if side > 1 else 16.0
+    q = np.sqrt(_NOISE / (m * (density + config.floor_events)))
     ratio *= 1 / (sd + config.floor_noise * q)
     return ratio, np.log2(1 + sd / q) / 4
 
@@ -76,8 +78,7 @@ def network_input(facts, config):
     focus = np.zeros((depth, len(maps), h, w), np.int8)
     context = []
     for side in (1, 7):
-        n = 16.0 * side ** (4 if side > 1 else 0)
-        context.append(np.log2(1 + 16 * support("counts", side).mean(axis=0) / n) / 4)
+        context.append(np.log2(1 + support("counts", side).mean(axis=0) / side ** 4) / 4)
     for m, (name, side) in enumerate(maps):
         z, contrast = normalised(support(name, side), support("counts", side), side, config)
         focus[:used, m] = to_int8(z)
