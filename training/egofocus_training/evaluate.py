@@ -96,6 +96,8 @@ def main():
     parser.add_argument("--samples", type=int, help="in place of the config's validation_samples")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
+    if arguments.samples is not None and arguments.samples < 1:
+        raise errors.TrainingError(errors.USAGE, "--samples", "is positive.")
     keep_freed_memory()
     config = load_config(arguments.config)
     _, paths = split_shards(config.data)

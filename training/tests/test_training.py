@@ -200,6 +200,12 @@ def test_the_programs(folder, tmp_path):
     assert done.returncode == 0, done.stderr
     rows = json.loads(done.stdout)["rows"]
     assert {r["method"] for r in rows} == {"network", "argmax", "sgm", "median"}
+    for wrong in (("evaluate", "--config", config, "--samples", "0"), ("macs", "--config", config, "--size", "big"),
+                  ("recordings", "--config", config), ("overfit", "--config", config, "--steps", "0")):
+        refused = program(*wrong)
+        assert refused.returncode in (2, 5) and refused.stderr.startswith("error: ") and refused.stderr.count("\n") == 1
+    table = program("macs", "--config", config, "--json")
+    assert json.loads(table.stdout)["macs"] == sum(layer["macs"] for layer in json.loads(table.stdout)["layers"])
     running = subprocess.Popen([sys.executable, "-m", "egofocus_training.train", "--config", config, "--out", out + "2"],
                                stderr=subprocess.PIPE, text=True)
     log = tmp_path / "out2" / "log.jsonl"
