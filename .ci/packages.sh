@@ -41,6 +41,14 @@ ROWS
     aarch64) echo "g++-aarch64-linux-gnu aarch64-linux-gnu-g++" ;;
     armv7) echo "g++-arm-linux-gnueabihf arm-linux-gnueabihf-g++" ;;
     install) echo "pkg-config pkg-config" ;;
+    training) cat <<'ROWS'
+pybind11-dev /usr/include/pybind11/pybind11.h,/usr/local/include/pybind11/pybind11.h
+python3-dev /usr/include/python3*/Python.h
+python3-torch /usr/lib/python3/dist-packages/torch/__init__.py
+python3-pil /usr/lib/python3/dist-packages/PIL/__init__.py
+python3-pytest /usr/lib/python3/dist-packages/pytest/__init__.py
+ROWS
+      ;;
   esac
 }
 

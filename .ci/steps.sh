@@ -17,6 +17,7 @@ STEPS=(
   "install|build test install|600|release|a consumer of the installed library: static and shared, CMake and pkg-config"
   "install-aarch64|build test install aarch64 qemu|600|aarch64|the same against the 64-bit ARM tree, run emulated"
   "fuzz|build convert test clang|400||every fuzzer, 60 s in all"
+  "training|build convert test training|600|release|what training needs: build, its tests"
   "readme|build test|120|release|the C++ example of the README compiles and links"
   "golden|test|30|release clang aarch64 armv7|the golden replay was run, and equal, in every build"
 )
@@ -31,7 +32,7 @@ fail() {
 }
 
 cpp_files() { # every C and C++ file of ours
-  find include src apps tests bench tools -type f \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.c' \) 2>/dev/null |
+  find include src apps tests bench tools training -type f \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.c' \) 2>/dev/null |
     sort
 }
 
@@ -157,6 +158,11 @@ step_install-aarch64() {
 step_fuzz() {
   configure_and_build fuzz
   bash tests/checks/run_fuzzers.sh build/fuzz 60 2
+}
+
+step_training() {
+  TARGETS="egofocus_stack test_window_stack" configure_and_build training
+  run_ctest training -L training
 }
 
 step_readme() {

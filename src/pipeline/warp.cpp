@@ -1,5 +1,6 @@
 #include "pipeline/warp.hpp"
 
+#include "core/check.hpp"
 #include "core/elementary.hpp"
 
 namespace egofocus {
@@ -73,6 +74,11 @@ Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexc
 
 void Warp::prepare(const CameraModel& camera) noexcept {
   fill_rays(camera, rays_);
+}
+
+void Warp::prepare(std::span<const Ray> rays) noexcept {
+  EGOFOCUS_CHECK(rays.size() == rays_.size());
+  for (std::size_t i = 0; i < rays_.size(); ++i) rays_[i] = rays[i];
 }
 
 void Warp::project(const EventWindow& window, const EventWindow::Selection& selection,

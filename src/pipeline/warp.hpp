@@ -49,6 +49,8 @@ class Warp {
 
   /// Fills the ray table. RT: no (set-up).
   void prepare(const CameraModel& camera) noexcept;
+  /// The same from a table that fill_rays() made of the same camera. RT: no (set-up).
+  void prepare(std::span<const Ray> rays) noexcept;
 
   /// Projects part `part` of `parts` of the selected events. Parts may run at once. RT: yes.
   void project(const EventWindow& window, const EventWindow::Selection& selection, const MotionTrack& track,

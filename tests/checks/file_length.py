@@ -7,7 +7,7 @@ import pathlib
 import sys
 
 WARN_LINES, FAIL_LINES = 300, 400
-FOLDERS = ("include", "src", "apps", "tests", "bench", "tools")
+FOLDERS = ("include", "src", "apps", "tests", "bench", "tools", "training")
 SUFFIXES = (".hpp", ".cpp", ".h", ".c", ".inc")
 
 

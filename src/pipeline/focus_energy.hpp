@@ -1,0 +1,47 @@
+// The fixed front end of the focus-first network: how sharp one plane of warped events is, before anything
+// learned. Exact integers, so that training and the runtime see the same numbers. METHOD, sections 3 and 8.
+//
+//   Gx(x, y) = I(x+1, y) - I(x-1, y),  Gy likewise; at the border, where a neighbour is missing, 0
+//   cell sums over 4x4 pixels:  gradient_x = sum Gx^2,  gradient_y = sum Gy^2,
+//                               squares = sum I (I - 1),  counts = sum I,  each saturating at 65535
+//   support:  E_r = box_r * box_r * cell sums (two boxes of r x r cells, zero outside)
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace egofocus {
+
+/// Cells of 4x4 pixels; what is left over at the right and at the bottom makes cells of its own.
+struct EnergyGrid {
+  std::int32_t width = 0;
+  std::int32_t height = 0;
+  [[nodiscard]] std::size_t size() const noexcept {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+};
+EnergyGrid energy_grid(std::int32_t width_px, std::int32_t height_px) noexcept;
+
+/// Where the sums of one plane go: [height][width] of the energy grid, each.
+struct CellSums {
+  std::span<std::uint16_t> gradient_x;
+  std::span<std::uint16_t> gradient_y;
+  std::span<std::uint16_t> squares;
+  std::span<std::uint16_t> counts;
+};
+
+/// `plane`: counts [height][width]. `scratch`: 4 * width values. Thread: any. RT: yes, O(pixels).
+void sum_cells(std::span<const std::uint8_t> plane, std::int32_t width_px, std::int32_t height_px,
+               std::span<std::uint32_t> scratch, const CellSums& out) noexcept;
+
+/// E_r of one map of cell sums. side: odd, 1..7 (1: a copy), so that 65535 * side^4 fits. `scratch`: as many
+/// values as cells. Thread: any. RT: yes, O(cells).
+void sum_support(std::span<const std::uint16_t> cells, const EnergyGrid& grid, std::int32_t side,
+                 std::span<std::uint32_t> scratch, std::span<std::uint32_t> out) noexcept;
+
+/// Counts over cells of 2x2 pixels, saturating at 255: what the refinement gathers. out: [ceil(height / 2)]
+/// [ceil(width / 2)]. Thread: any. RT: yes, O(pixels).
+void halve_counts(std::span<const std::uint8_t> plane, std::int32_t width_px, std::int32_t height_px,
+                  std::span<std::uint8_t> out) noexcept;
+
+}  // namespace egofocus

@@ -1,0 +1,114 @@
+// The network's fixed front end against its formulas, pixel by pixel in 64-bit integers.
+#include "pipeline/focus_energy.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+#include <vector>
+
+using namespace egofocus;
+
+namespace {
+
+struct Maps {
+  explicit Maps(std::size_t cells)
+      : data(4 * cells), sums{part(0, cells), part(1, cells), part(2, cells), part(3, cells)} {}
+  std::span<std::uint16_t> part(std::size_t i, std::size_t cells) {
+    return std::span(data).subspan(i * cells, cells);
+  }
+  std::vector<std::uint16_t> data;
+  CellSums sums;
+};
+
+std::vector<std::uint8_t> random_plane(int width, int height, unsigned seed, unsigned largest) {
+  std::mt19937 random(seed);
+  std::vector<std::uint8_t> plane(static_cast<std::size_t>(width * height));
+  for (auto& n : plane) n = static_cast<std::uint8_t>(random() % (largest + 1));
+  return plane;
+}
+
+}  // namespace
+
+TEST_CASE("cell sums are those of the formulas, at every size around the cell") {
+  for (const unsigned largest : {3u, 255u}) {
+    for (const int width : {4, 5, 7, 8, 61}) {
+      for (const int height : {4, 6, 9, 47}) {
+        CAPTURE(largest, width, height);
+        const auto plane = random_plane(width, height, 7, largest);
+        const auto at = [&](int x, int y) {
+          return static_cast<std::int64_t>(plane[static_cast<std::size_t>(y * width + x)]);
+        };
+        const EnergyGrid grid = energy_grid(width, height);
+        CHECK(grid.width == (width + 3) / 4);
+        CHECK(grid.height == (height + 3) / 4);
+        std::vector<std::int64_t> naive(4 * grid.size());
+        for (int y = 0; y < height; ++y) {
+          for (int x = 0; x < width; ++x) {
+            const auto cell = static_cast<std::size_t>(y / 4 * grid.width + x / 4);
+            const bool inner_x = x > 0 && x + 1 < width;
+            const bool inner_y = y > 0 && y + 1 < height;
+            const std::int64_t gx = inner_x ? at(x + 1, y) - at(x - 1, y) : 0;
+            const std::int64_t gy = inner_y ? at(x, y + 1) - at(x, y - 1) : 0;
+            naive[cell] += gx * gx;
+            naive[grid.size() + cell] += gy * gy;
+            naive[2 * grid.size() + cell] += at(x, y) * (at(x, y) - 1);
+            naive[3 * grid.size() + cell] += at(x, y);
+          }
+        }
+        Maps maps(grid.size());
+        std::vector<std::uint32_t> scratch(4 * static_cast<std::size_t>(width));
+        sum_cells(plane, width, height, scratch, maps.sums);
+        for (std::size_t i = 0; i < naive.size(); ++i)
+          REQUIRE(maps.data[i] == std::min<std::int64_t>(naive[i], 65535));
+      }
+    }
+  }
+}
+
+TEST_CASE("the support is two boxes, zero outside, and the largest sums fit") {
+  const EnergyGrid grid{13, 9};
+  for (const int side : {1, 3, 5, 7}) {
+    CAPTURE(side);
+    std::mt19937 random(3);
+    std::vector<std::uint16_t> cells(grid.size());
+    for (auto& c : cells) c = random() % 4 == 0 ? std::uint16_t{65535} : static_cast<std::uint16_t>(random());
+    std::vector<std::int64_t> naive(cells.begin(), cells.end());
+    for (int pass = 0; pass < (side == 1 ? 0 : 2); ++pass) {
+      std::vector<std::int64_t> sum(naive.size());
+      for (int y = 0; y < grid.height; ++y)
+        for (int x = 0; x < grid.width; ++x)
+          for (int v = std::max(0, y - side / 2); v <= std::min(grid.height - 1, y + side / 2); ++v)
+            for (int u = std::max(0, x - side / 2); u <= std::min(grid.width - 1, x + side / 2); ++u)
+              sum[static_cast<std::size_t>(y * grid.width + x)] +=
+                  naive[static_cast<std::size_t>(v * grid.width + u)];
+      naive = sum;
+    }
+    std::vector<std::uint32_t> scratch(grid.size());
+    std::vector<std::uint32_t> out(grid.size());
+    sum_support(cells, grid, side, scratch, out);
+    for (std::size_t i = 0; i < out.size(); ++i) REQUIRE(out[i] == naive[i]);
+  }
+  CHECK(65535ll * 7 * 7 * 7 * 7 < 4294967296ll);
+}
+
+TEST_CASE("halved counts are sums over 2x2 pixels that saturate") {
+  for (const int width : {6, 7}) {
+    for (const int height : {4, 5}) {
+      const auto plane = random_plane(width, height, 11, 120);
+      std::vector<std::uint8_t> out(static_cast<std::size_t>((width + 1) / 2 * ((height + 1) / 2)));
+      halve_counts(plane, width, height, out);
+      bool saturates = false;
+      for (int y = 0; y < (height + 1) / 2; ++y) {
+        for (int x = 0; x < (width + 1) / 2; ++x) {
+          int sum = 0;
+          for (int v = 2 * y; v < std::min(2 * y + 2, height); ++v)
+            for (int u = 2 * x; u < std::min(2 * x + 2, width); ++u)
+              sum += plane[static_cast<std::size_t>(v * width + u)];
+          saturates |= sum > 255;
+          REQUIRE(out[static_cast<std::size_t>(y * ((width + 1) / 2) + x)] == std::min(sum, 255));
+        }
+      }
+      CHECK(saturates);
+    }
+  }
+}

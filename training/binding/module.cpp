@@ -1,0 +1,177 @@
+// Python's door to the library's own front end. Arrays in, arrays out; everything that computes is elsewhere.
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pipeline/focus_energy.hpp"
+#include "python_values.hpp"
+#include "ray_cache.hpp"
+#include "recording/error.hpp"
+#include "recording/event_mask.hpp"
+#include "recording/folder.hpp"
+#include "recording_windows.hpp"
+#include "window_stack.hpp"
+
+namespace py = pybind11;
+using namespace egofocus;
+using namespace egofocus::training;
+
+namespace {
+
+RayCache& ray_cache() {
+  static RayCache cache;
+  return cache;
+}
+
+py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t>& x,
+                      const Array<std::uint16_t>& y, const Array<std::int32_t>& motion_t_us,
+                      const Array<float>& velocity_m_s, const Array<float>& rate_rad_s, const Grid& camera,
+                      int distortion, const std::vector<double>& coefficients, const Ladder& ladder,
+                      int max_events, const Rectangle& crop, const std::vector<std::string>& wanted) {
+  const py::ssize_t n = t_us.size();
+  if (x.size() != n || y.size() != n) refuse("events want as many x and y as times.");
+  if (coefficients.size() > 5 || distortion < 0 || distortion > 2) refuse("unknown distortion.");
+  const std::vector<CameraMotion> motion = motion_of(motion_t_us, velocity_m_s, rate_rad_s);
+  Config config;
+  config.camera.intrinsics = intrinsics_of(camera);
+  config.camera.distortion = static_cast<Distortion>(distortion);
+  std::copy(coefficients.begin(), coefficients.end(), config.camera.coefficients);
+  config.ladder = ladder_of(ladder);
+  config.window.max_events = max_events;
+  config.window.min_events = 0;
+  const auto [left, top, width, height] = crop;
+  std::unique_ptr<WindowStack> stack;
+  bool has_stack = false;
+  {
+    const std::int32_t* times = t_us.data();
+    const std::uint16_t* columns = x.data();
+    const std::uint16_t* rows = y.data();
+    const py::gil_scoped_release unlocked;
+    const auto rays = ray_cache().rays(config);
+    stack = std::make_unique<WindowStack>(config, Crop{left, top, width, height}, *rays);
+    for (py::ssize_t i = 0; i < n; ++i) stack->add({kEnd_us + times[i], columns[i], rows[i], 0});
+    has_stack = stack->run(kEnd_us - config.window.max_age_us, kEnd_us,
+                           [&motion](std::int64_t begin_us, std::int64_t end_us, MotionTrack& out) {
+                             integrate_track(motion, begin_us, end_us, out);
+                             return true;
+                           });
+  }
+  py::dict out = facts_of(*stack, has_stack, kEnd_us);
+  if (std::find(wanted.begin(), wanted.end(), "event_mask") != wanted.end()) {
+    recording::EventMask mask(config);
+    std::vector<Event> events;
+    for (py::ssize_t i = 0; i < n; ++i)
+      events.push_back({kEnd_us + t_us.data()[i], x.data()[i], y.data()[i], 0});
+    mask.add(events);
+    const std::vector<std::uint8_t> pixels = mask.since(stack->ladder().begin_us);
+    out["event_mask"] = py::array_t<std::uint8_t>(static_cast<py::ssize_t>(pixels.size()), pixels.data())
+                            .reshape({py::ssize_t{config.camera.intrinsics.height_px},
+                                      py::ssize_t{config.camera.intrinsics.width_px}});
+  }
+  return has_stack ? merged(std::move(out), arrays_of(*stack, wanted)) : out;
+}
+
+// float32, rounded to nearest: that costs no more than 2^-24 of a sum.
+py::array_t<float> support(const Array<std::uint16_t>& cells, int side) {
+  if (cells.ndim() != 3 || side < 1 || side > 7 || side % 2 == 0)
+    refuse("support wants cells [n, height, width] and a side of 1, 3, 5 or 7.");
+  const EnergyGrid grid{static_cast<std::int32_t>(cells.shape(2)), static_cast<std::int32_t>(cells.shape(1))};
+  py::array_t<float> out({cells.shape(0), cells.shape(1), cells.shape(2)});
+  const std::uint16_t* from = cells.data();
+  float* to = out.mutable_data();
+  const auto maps = static_cast<std::size_t>(cells.shape(0));
+  const py::gil_scoped_release unlocked;
+  std::vector<std::uint32_t> scratch(grid.size());
+  std::vector<std::uint32_t> sums(grid.size());
+  for (std::size_t i = 0; i < maps; ++i) {
+    sum_support({from + i * grid.size(), grid.size()}, grid, side, scratch, sums);
+    for (std::size_t n = 0; n < grid.size(); ++n) *to++ = static_cast<float>(sums[n]);
+  }
+  return out;
+}
+
+// A recording's windows, with the events and the motion that they rest on.
+class Recording {
+ public:
+  Recording(const std::string& folder, const std::optional<std::string>& source,
+            const std::optional<Ladder>& ladder)
+      : windows_(opened(folder, source, ladder)) {}
+
+  py::dict tick(std::int64_t tick_us, const std::vector<std::string>& wanted) {
+    const bool has_stack = windows_.tick(tick_us);
+    py::dict out = facts_of(windows_.stack(), has_stack, tick_us);
+    return has_stack ? merged(std::move(out), arrays_of(windows_.stack(), wanted)) : out;
+  }
+
+  [[nodiscard]] std::vector<std::int64_t> truth_times_us() const {
+    std::vector<std::int64_t> times;
+    for (const auto& truth : windows_.folder().truth) times.push_back(truth.t_us);
+    return times;
+  }
+
+  [[nodiscard]] py::array_t<float> truth_m(std::int64_t t_us) const {
+    const recording::DepthTruth* truth = windows_.folder().truth_at(t_us);
+    if (truth == nullptr) refuse("no truth at " + std::to_string(t_us) + " us.");
+    const auto picture = recording::read_depth(*truth, windows_.folder().camera);
+    return py::array_t<float>(static_cast<py::ssize_t>(picture.pixels.size()), picture.pixels.data())
+        .reshape({py::ssize_t{picture.height_px}, py::ssize_t{picture.width_px}});
+  }
+
+  // t_us before the tick, x, y
+  [[nodiscard]] py::tuple events(std::int64_t tick_us) const {
+    const std::vector<Event> events = windows_.events();
+    const auto n = static_cast<py::ssize_t>(events.size());
+    py::array_t<std::int32_t> t(n);
+    py::array_t<std::uint16_t> x(n);
+    py::array_t<std::uint16_t> y(n);
+    for (py::ssize_t i = 0; i < n; ++i) {
+      const Event& event = events[static_cast<std::size_t>(i)];
+      t.mutable_at(i) = static_cast<std::int32_t>(event.t_us - tick_us);
+      x.mutable_at(i) = event.x;
+      y.mutable_at(i) = event.y;
+    }
+    return py::make_tuple(t, x, y);
+  }
+
+ private:
+  static recording::Folder opened(const std::string& path, const std::optional<std::string>& source,
+                                  const std::optional<Ladder>& ladder) {
+    std::optional<MotionSource> motion;
+    if (source) {
+      if (*source != "odometry" && *source != "poses")
+        refuse("motion source `" + *source + "`: odometry or poses.");
+      motion = *source == "poses" ? MotionSource::kPoses : MotionSource::kOdometry;
+    }
+    recording::Folder folder = recording::open_folder(path, motion);
+    if (ladder) folder.camera.config.ladder = ladder_of(*ladder);
+    return folder;
+  }
+
+  RecordingWindows windows_;
+};
+
+}  // namespace
+
+PYBIND11_MODULE(egofocus_stack, module) {
+  module.doc() =
+      "The library's own front end: events and motion -> ladder, stack of warped events, energies.";
+  py::register_exception<recording::Error>(module, "StackError");
+  module.def(
+      "stack_window", &stack_window, py::kw_only(), py::arg("t_us"), py::arg("x"), py::arg("y"),
+      py::arg("motion_t_us"), py::arg("velocity_m_s"), py::arg("rate_rad_s"), py::arg("camera"),
+      py::arg("distortion"), py::arg("coefficients"), py::arg("ladder"), py::arg("max_events"),
+      py::arg("crop") = Rectangle{0, 0, 0, 0}, py::arg("wanted"),
+      "One window: times count back from its end. wanted: counts, half, cells, argmax, sgm, event_mask.");
+  module.def(
+      "keep_rays", [](std::size_t bytes) { ray_cache().keep(bytes); }, py::arg("bytes"),
+      "How much the tables of cameras seen last may take.");
+  module.def("support", &support, py::arg("cells"), py::arg("side"), "Two boxes of side x side cells.");
+  py::class_<Recording>(module, "Recording")
+      .def(py::init<const std::string&, const std::optional<std::string>&, const std::optional<Ladder>&>(),
+           py::arg("folder"), py::arg("source") = std::nullopt, py::arg("ladder") = std::nullopt)
+      .def("tick", &Recording::tick, py::arg("t_us"), py::arg("wanted"))
+      .def("truth_times_us", &Recording::truth_times_us)
+      .def("truth_m", &Recording::truth_m, py::arg("t_us"))
+      .def("events", &Recording::events, py::arg("tick_us"));
+}

@@ -1,0 +1,118 @@
+"""python3 -m egofocus_training.evaluate --config FILE --weights FILE [--samples N] [--json]: a network on validation shards.
+
+Beside it, on the same pixels: the classical backend on the same stack (focus argmax, and with semi-global smoothing; a
+pixel without an estimate counts as 80 m) and the median of each image's own truth, which no method has.
+"""
+import argparse
+import json
+
+import numpy as np
+import torch
+
+from . import checkpoint, errors
+from .config import load_config
+from .dataset import collate, spread
+from .journal import Progress
+from .machine import keep_freed_memory
+from .metrics import SETS, MeanMetrics, depth_of, enlarge, image_metrics, pixel_sets
+from .model.network import FocusNetwork
+from .samples import Shard, split_shards
+from .windows import network_inputs, stack_sample, wanted_arrays
+
+
+def spread_over(paths, count):
+    """(shard, index) of `count` samples, evenly over the shards' samples."""
+    shards = [Shard(path) for path in paths]
+    everything = [(shard, i) for shard in shards for i in range(len(shard))]
+    return [everything[i] for i in spread(len(everything), count)]
+
+
+@torch.no_grad()
+def predicted_index(network, facts, config):
+    """Index at full resolution, float [height, width]."""
+    inputs = collate([network_inputs(facts, config.input, config.network.order == "published")])
+    device = next(network.parameters()).device
+    prediction = network({name: tensor.to(device) for name, tensor in inputs.items()})
+    width, height = facts["grid"][:2]
+    return enlarge(prediction.index[0].float().cpu().numpy(), height, width)
+
+
+def evaluate(network, samples, config, classical=True):
+    """Rows of MeanMetrics over samples [(shard, index)]. The network may be None."""
+    means = MeanMetrics()
+    progress = Progress("evaluate", len(samples))
+    published = config.network.order == "published"
+    wanted = (*wanted_arrays(published), "event_mask", *(("argmax", "sgm") if classical else ()))
+    if network is not None:
+        network.eval()
+    without = 0
+    for n, (shard, i) in enumerate(samples):
+        sample = shard[i]
+        facts = stack_sample(sample, config.input, wanted)
+        progress.show(n + 1)
+        if not facts["has_stack"]:
+            without += 1
+            continue
+        step = facts["step_per_m"]
+        masks, truth_m = pixel_sets(sample.inverse_depth, facts["event_mask"], step, facts["hypotheses"])
+        estimates = {}
+        if network is not None:
+            estimates["network"] = depth_of(predicted_index(network, facts, config), step)
+        if classical:
+            for name in ("argmax", "sgm"):
+                index = np.where(facts[f"{name}_confidence"] > 0, facts[name] / 256.0, 0)
+                estimates[name] = depth_of(index, step)
+            if masks["all"].any():
+                estimates["median"] = np.full(truth_m.shape, np.median(truth_m[masks["all"]]))
+        for method, depth_m in estimates.items():
+            for pixel_set in SETS:
+                means.add(method, sample.family, pixel_set, image_metrics(depth_m, truth_m, masks[pixel_set], step))
+    progress.end()
+    return means.rows(), without
+
+
+def table(rows):
+    """The rows as text."""
+    lines = [f"{'family':12} {'set':17} {'method':8} {'images':>6} {'d1':>6} {'Abs.Rel':>8} {'RMSE log':>9} {'idx MAE':>8}"]
+    for r in sorted(rows, key=lambda r: (r["family"] != "overall", r["family"], SETS.index(r["set"]), r["method"])):
+        lines.append(f"{r['family']:12} {r['set']:17} {r['method']:8} {r['images']:6} {r['d1']:6.3f} {r['abs_rel']:8.3f} "
+                     f"{r['rmse_log']:9.3f} {r['idx_mae']:8.3f}")
+    return "\n".join(lines)
+
+
+def load_network(path, config):
+    """The network of a weights file or a checkpoint's average. TrainingError as checkpoint.read()."""
+    state = checkpoint.read(path)
+    checkpoint.require_same_network(path, state, config)
+    network = FocusNetwork(config.input, config.network)
+    checkpoint.load_weights(network, state.get("average", state["network"]), path)
+    return network.eval().to(memory_format=torch.channels_last)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="egofocus_training.evaluate", description=__doc__)
+    parser.add_argument("--config", required=True)
+    parser.add_argument("--weights", help="weights.pt or checkpoint.pt; without it the classical backend alone")
+    parser.add_argument("--samples", type=int, help="in place of the config's validation_samples")
+    parser.add_argument("--json", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.samples is not None and arguments.samples < 1:
+        raise errors.TrainingError(errors.USAGE, "--samples", "is positive.")
+    keep_freed_memory()
+    config = load_config(arguments.config)
+    _, paths = split_shards(config.data)
+    if not paths:
+        raise errors.TrainingError(errors.CONFIGURATION, arguments.config, "names no validation shards: set [data] "
+                                   "validation or hold_out_every.")
+    network = load_network(arguments.weights, config) if arguments.weights else None
+    rows, without = evaluate(network, spread_over(paths, arguments.samples or config.data.validation_samples), config)
+    if arguments.json:
+        print(json.dumps({"rows": rows, "without_parallax": without}))
+    else:
+        print(table(rows))
+        print(f"{without} windows without parallax left out")
+    return 0
+
+
+if __name__ == "__main__":
+    errors.run(main)

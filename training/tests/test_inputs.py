@@ -1,0 +1,171 @@
+"""From events to tensors: focus where the truth is, mirrors that agree, normalisation and targets by hand."""
+import dataclasses
+import types
+
+import numpy as np
+import pytest
+import small_world
+
+from egofocus_training.augment import add_hot_pixels, augment, drop_events, flip_horizontal, flip_vertical, noisy_motion
+from egofocus_training.config import AugmentConfig, InputConfig, LossConfig
+from egofocus_training.focus_input import context_channels, displacement_px, network_input, normalised, to_int8
+from egofocus_training.library import stack
+from egofocus_training.samples import parse_sample
+from egofocus_training.targets import coarse_index, histogram, index_of
+from egofocus_training.windows import network_inputs, stack_sample, training_targets
+
+# 16 px at 1 m: 16 of span reach z_near = 1 m with hypothesis 15.
+CONFIG = InputConfig(hypotheses=16, span_px=16.0)
+
+
+def sample_of(*arguments, **keywords):
+    return parse_sample(small_world.record(*arguments, **keywords), "test")
+
+
+def test_the_ladder_and_the_focus_are_where_the_wall_is():
+    sample = sample_of(2.0)
+    facts = stack_sample(sample, CONFIG, ["half", "cells", "counts", "argmax", "event_mask"])
+    assert facts["has_stack"] and facts["hypotheses"] == 16
+    assert facts["step_per_m"] == pytest.approx(1 / 15, rel=1e-2)  # 16 px = 1 m * f * 0.2 s * 1 m/s, to one knot of 127
+    assert facts["baseline_m"] == pytest.approx((-0.2, 0, 0), abs=2e-3)
+    truth = 0.5 / facts["step_per_m"]
+    focus, context = network_input(facts, CONFIG)
+    assert focus.shape == (16, 5, 20, 24) and context.shape == (context_channels(CONFIG), 20, 24)
+    inner = focus[:, :, 3:-3, 6:-6].astype(int)
+    best = inner[:, 2].argmax(axis=0)  # gradient, support 7
+    assert abs(np.median(best) - truth) <= 0.5 and np.mean(np.abs(best - truth) <= 1) > 0.9
+    argmax = facts["argmax"][12:-12, 24:-24] / 256
+    assert abs(np.median(argmax) - truth) < 0.3
+    counts = facts["counts"].astype(int)
+    assert counts[0].sum() <= sample.t_us.size
+    half = counts[3].reshape(40, 2, 48, 2).sum(axis=(1, 3))
+    assert np.array_equal(facts["half"][3], np.minimum(half, 255))
+    assert np.array_equal(facts["cells"][3, 3], counts[3].reshape(20, 4, 24, 4).sum(axis=(1, 3)))
+    events = np.zeros((80, 96), bool)
+    inside = sample.t_us >= facts["begin_us"]
+    events[sample.y[inside], sample.x[inside]] = True
+    assert np.array_equal(facts["event_mask"] > 0, events)
+
+
+def test_hypotheses_that_the_ladder_left_out_are_zero():
+    facts = stack_sample(sample_of(4.0, z_near_m=3.0), CONFIG, ["half", "cells"])
+    assert facts["hypotheses"] == 8
+    focus, context = network_input(facts, CONFIG)
+    assert not focus[8:].any() and focus[:8].any() and not facts["half"][8:].any()
+    assert np.all(context[-1] == 8)  # K / D = 1/2 in units of 1/16
+
+
+@pytest.mark.parametrize("flip, axis", [(flip_horizontal, 2), (flip_vertical, 1)])
+def test_a_mirrored_sample_has_the_mirrored_stack(flip, axis):
+    sample = sample_of(1.5, near=(20, 50, 1.1), distortion=1, coefficients=(-0.2, 0.05, 0.003, -0.002, 0.01))
+    sample = dataclasses.replace(sample, velocity_m_s=sample.velocity_m_s + np.float32([0, 0.2, 0.3]),
+                                 rate_rad_s=sample.rate_rad_s + np.float32([0.1, -0.2, 0.3]))
+    straight = stack_sample(sample, CONFIG, ["counts"])
+    mirrored = stack_sample(flip(sample), CONFIG, ["counts"])
+    assert mirrored["step_per_m"] == pytest.approx(straight["step_per_m"], rel=1e-9)
+    a = straight["counts"].astype(int)
+    b = np.flip(mirrored["counts"].astype(int), axis)
+    assert a.sum() > 50_000
+    assert np.abs(a - b).sum() < 1e-3 * a.sum()  # half-way positions round to the other side
+    assert np.array_equal(np.flip(flip(sample).inverse_depth, axis - 1), sample.inverse_depth)
+    assert np.array_equal(flip(flip(sample)).x, sample.x) and flip(flip(sample)).camera.cx == sample.camera.cx
+
+
+def test_noise_keeps_the_speed_and_drops_are_counted():
+    sample = sample_of(2.0)
+    random = np.random.default_rng(1)
+    noisy = noisy_motion(sample, 0.1, 7000, random)
+    speed = np.linalg.norm(noisy.velocity_m_s, axis=1)
+    assert speed.mean() == pytest.approx(1.0, rel=1e-5)
+    assert 0.001 < np.abs(noisy.velocity_m_s[0, 1:]).max() < 0.3
+    assert noisy.motion_t_us[0] == -193000
+    assert np.array_equal(noisy_motion(sample, 0.0, 0, random).velocity_m_s, sample.velocity_m_s)
+    left = drop_events(sample, 0.25, random).t_us.size / sample.t_us.size
+    assert left == pytest.approx(0.75, abs=0.02)
+    hot = add_hot_pixels(sample, 0.01, random)
+    assert hot.t_us.size > sample.t_us.size and np.all(np.diff(hot.t_us) >= 0) and hot.x.max() < 96
+
+
+def test_augmentation_depends_on_its_generators_alone():
+    config = AugmentConfig(crop=[48, 64])
+    first, second = ([augment(sample_of(2.0), config, np.random.default_rng(s), np.random.default_rng(9)) for s in (3, 3, 4)]
+                     for _ in range(2))
+    assert np.array_equal(first[0][0].t_us, second[1][0].t_us) and first[0][1:] == second[1][1:]
+    assert first[0][1:] != first[2][1:]
+    x, y, width, height = first[0][1]
+    assert (width, height) == (64, 48) and 0 <= x <= 32 and 0 <= y <= 32 and 0.7 <= first[0][2] <= 1
+
+
+def test_normalisation_by_hand():
+    config = InputConfig(floor_events=0.5, floor_noise=1.0)
+    energy = np.array([8.0, 16.0, 0.0, 8.0], np.float32).reshape(4, 1, 1)
+    counts = np.full((4, 1, 1), 8, np.float32)  # 16 px: density 1/2
+    z, contrast = normalised(energy, counts, 1, config)
+    ratio = np.array([0.5, 1.0, 0.0, 0.5])  # E / (S + 16 * 0.5)
+    sd, q = np.sqrt(0.125), np.sqrt(4 / (16 * (0.5 + 0.5)))
+    assert z.ravel() == pytest.approx((ratio - 0.5) / (sd + q), rel=1e-6)
+    assert contrast.item() == pytest.approx(np.log2(1 + sd / q) / 4, rel=1e-6)
+    assert to_int8(np.array([0.03, 0.04, 20.0, -20.0])).tolist() == [0, 1, 127, -127]
+
+
+def test_displacement_of_one_hypothesis():
+    facts = {"grid": (96, 80, 80.0, 90.0, 47.5, 39.5), "baseline_m": (-0.2, 0.1, 0.4), "step_per_m": 0.5}
+    moved = displacement_px(facts)
+    assert moved.shape == (2, 20, 24)
+    u, v = 4 * 5 + 1.5, 4 * 7 + 1.5
+    assert moved[:, 7, 5] == pytest.approx([80 * -0.1 - 0.2 * (u - 47.5), 90 * 0.05 - 0.2 * (v - 39.5)])
+
+
+def test_support_is_two_boxes():
+    cells = np.zeros((1, 7, 7), np.uint16)
+    cells[0, 3, 3] = 1
+    row = np.array([0, 1, 2, 3, 2, 1, 0])
+    assert np.array_equal(stack.support(cells, 3)[0], row[:, None] * row[None, :])
+    with pytest.raises(stack.StackError, match="1, 3, 5 or 7"):
+        stack.support(cells, 4)
+
+
+def test_index_and_its_cells():
+    assert index_of(np.array([0.0, 0.25, 9.0]), 0.1, 16).tolist() == [0, 2.5, 15]
+    index = np.array([[1, 2, 9], [3, 4, 9], [5, 6, 7]], np.float32)
+    weight = np.ones_like(index)
+    weight[0, 0] = 0
+    value, share = coarse_index(index, weight, 2)
+    assert value.tolist() == [[3, 9], [5, 7]]  # of 2 3 4; 9 9; 5 6; 7: the lower median
+    assert share.tolist() == [[0.75, 0.5], [0.5, 0.25]]
+    assert coarse_index(index, np.zeros_like(index), 2)[1].tolist() == [[0, 0], [0, 0]]
+
+
+def test_histogram_by_hand():
+    index = np.array([[2.25, 6.0]], np.float32).repeat(1, 0)
+    label = histogram(index, np.ones_like(index), 2, 8, 1e-3)[:, 0, 0]  # no spread beyond the neighbours
+    assert label == pytest.approx([0, 0, 0.375, 0.125, 0, 0, 0.5, 0], abs=1e-6)
+    spread = histogram(index, np.array([[1.0, 0.0]], np.float32), 2, 8, 1.0)[:, 0, 0]
+    raw = np.array([0.75 * np.exp(-abs(k - 2)) * (abs(k - 2) < 5) + 0.25 * np.exp(-abs(k - 3)) * (abs(k - 3) < 5)
+                    for k in range(8)])
+    assert spread == pytest.approx(raw / raw.sum(), rel=1e-5)
+    assert not histogram(index, np.zeros_like(index), 2, 8, 1.0).any()
+
+
+def test_targets_of_a_crop():
+    sample = sample_of(2.0)
+    crop = (0, 0, 64, 48)
+    facts = stack_sample(sample, CONFIG, ["half", "cells"], crop)
+    targets = training_targets(sample, facts, crop, LossConfig(movers=0.25), 16)
+    assert targets["index_2"].shape == (24, 32) and targets["label"].shape == (16, 12, 16)
+    assert targets["weight_4"][0, 0] == 0.25 and targets["weight_4"][2, 2] == 1
+    assert np.allclose(targets["index_4"], 0.5 / facts["step_per_m"], rtol=1e-3)
+    inputs = network_inputs(facts, CONFIG)
+    assert inputs["focus"].shape[2:] == (12, 16) and inputs["half"].shape == (16, 24, 32)
+
+
+def test_what_cannot_be_stacked_says_why():
+    sample = sample_of(2.0)
+    with pytest.raises(stack.StackError, match="does not lie in the grid"):
+        stack_sample(sample, CONFIG, [], (90, 0, 32, 32))
+    with pytest.raises(stack.StackError, match="hypotheses"):
+        stack_sample(sample, types.SimpleNamespace(**{**vars(CONFIG), "hypotheses": 36}), [])
+    still = dataclasses.replace(sample, velocity_m_s=np.zeros_like(sample.velocity_m_s))
+    assert not stack_sample(still, CONFIG, ["half"])["has_stack"]
+    with pytest.raises(stack.StackError, match="must rise"):
+        stack_sample(dataclasses.replace(sample, motion_t_us=sample.motion_t_us[::-1]), CONFIG, [])
