@@ -22,10 +22,10 @@ struct DriveStyle {
   double braking_m_s2 = 2.5;
   double lateral_m_s2 = 2.5;  ///< in a turn
   double max_yaw_rate_rad_s = 0.7;
-  double smoothing_s = 0.3;     ///< accelerations change within twice this time
-  double stop_every_m = 160;    ///< mean way between two stops of 1-4 s; 0: none on the way
+  double smoothing_s = 0.3;      ///< accelerations change within twice this time
+  double stop_every_m = 160;     ///< mean way between two stops of 1-4 s; 0: none on the way
   double start_standing = 0.35;  ///< chance; else the recording begins at speed
-  double hesitation = 0.35;     ///< a piece is driven at 1 - this .. 1 of its limit
+  double hesitation = 0.35;      ///< a piece is driven at 1 - this .. 1 of its limit
   PathStyle path;
   double pitch_rad_per_m_s2 = 0.0045;  ///< nose down under braking
   double roll_rad_per_m_s2 = 0.008;    ///< outwards in a turn
