@@ -19,7 +19,7 @@ STEPS=(
   "fuzz|build convert test clang|400||every fuzzer, 60 s in all"
   "training|build convert test training|600|release|what training needs: build, its tests"
   "readme|build test|120|release|the C++ example of the README compiles and links"
-  "golden|test|30|release clang aarch64 armv7|the golden replay was run, and equal, in every build"
+  "golden|test|30|asan release clang aarch64 armv7|the golden replay was run, and equal, in every build"
 )
 QUICK_STEPS=(format rules dev)
 ONLY_QUICK=dev
@@ -106,7 +106,7 @@ step_clang() {
 step_asan() {
   configure_and_build asan
   ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1 \
-    TEST_LIMIT=600 run_ctest asan -LE 'native|slow'
+    TEST_LIMIT=600 run_ctest asan --output-junit tests.xml -LE 'native|slow'
 }
 
 step_tsan() {

@@ -7,7 +7,7 @@ import pathlib
 import sys
 import xml.etree.ElementTree as xml
 
-RUNS = ("release/tests.xml", "clang/tests.xml", "aarch64/tests-cortex-a53.xml",
+RUNS = ("asan/tests.xml", "release/tests.xml", "clang/tests.xml", "aarch64/tests-cortex-a53.xml",
         "aarch64/tests-cortex-a76.xml", "aarch64/tests-max.xml", "armv7/tests-cortex-a9.xml")
 
 
