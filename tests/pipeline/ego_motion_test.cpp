@@ -167,37 +167,6 @@ TEST_CASE("a drone with body velocity") {
   CHECK(out.standing == 0);
 }
 
-TEST_CASE("hard strokes from the first moment: what led astray is found out") {
-  // To and fro at 8 m/s^2 without a pause: the first reading is no gravity.
-  Drive drive = drone_drive();
-  drive.duration_s = 14;
-  drive.path = {[](double t) {
-                  const double phase = 2 * t - floor_of(2 * t);  // a period of 0.5 s
-                  return Triple{{phase < 0.5 ? -1 + 4 * phase : 3 - 4 * phase, 0, 0}};
-                },
-                [](double) {
-                  return Triple{{0, 0, 0}};
-                }};
-  const auto ego = std::make_unique<EgoMotion>(config_of(drive));
-  double worst_m_s = 0;
-  std::uint64_t early = 0;
-  simulate(
-      drive, [&](const auto& sample) { ego->add(sample); },
-      [&](const RobotSimulator& robot) {
-        ego->advance(robot.t_us());
-        if (robot.t_s() < 6) {
-          early = ego->odometry_counters().rejected;
-          return;
-        }
-        worst_m_s =
-            std::max(worst_m_s, std::abs(ego->filter().velocity_m_s()[0] - robot.velocity().v[0]));
-      });
-  WARN("strokes of 8 m/s^2: " << early << " samples rejected in the first 6 s, worst error later "
-                              << worst_m_s << " m/s");
-  CHECK(worst_m_s < 0.1);
-  CHECK(ego->odometry_counters().rejected == early);
-}
-
 TEST_CASE("without an accelerometer velocity follows the wheels") {
   Drive drive = car_drive();
   drive.accel = false;
