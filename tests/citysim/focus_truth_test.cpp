@@ -163,5 +163,5 @@ TEST_CASE("the true depth focuses better than one off by 20 %, at nine of ten te
   const double share = static_cast<double>(all.right) / std::max(1, all.places);
   WARN("true depth sharpest at " << all.right << " of " << all.places << " places: " << share);
   CHECK(all.places > 200);
-  CHECK(share >= 0.85);  // nine of ten is meant; worlds differ, and so do compilers in the order of draws
+  CHECK(share >= 0.9);
 }

@@ -4,6 +4,7 @@
 
 #include "citysim/near_limit.hpp"
 #include "citysim/renderer.hpp"
+#include "citysim/sample.hpp"
 #include "citysim/scene_statistics.hpp"
 #include "small_worlds.hpp"
 
@@ -131,4 +132,19 @@ TEST_CASE("the families have parallax, little that is too near, and both texture
     CHECK((s.depth_share.back() > 0.02) == town);  // the sky
     CHECK((s.mover_share > 0) == town);
   }
+}
+
+TEST_CASE("the same worlds from every compiler") {
+  std::uint64_t hash = 0;
+  Workers workers(2);
+  for (const FamilyName& family : families()) {
+    const World world = make_world(
+        family.family, {.width_px = 64, .height_px = 64, .duration_s = 4, .library = test_library()}, 5);
+    for (const Sample& sample : draw_samples(world, 5, 4, 1, workers)) {
+      for (const std::byte byte : sample_bytes(sample))
+        hash = mix_bits(hash ^ static_cast<std::uint64_t>(byte));
+    }
+  }
+  INFO("hash " << std::hex << hash);
+  CHECK(hash == 0xfaedf1a0aa80e0a5u);
 }

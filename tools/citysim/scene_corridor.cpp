@@ -44,8 +44,10 @@ void add_piece(Mesh& mesh, const Place& at, double length, double half, double h
           break;
         case 1: {
           const Surface notice = library.surface(Pattern::kText, 1.0, random);
-          mesh.box(wall.at(0, 0.01, random.uniform(1.0, 1.5)), random.uniform(0.3, 1.2), 0.04,
-                   random.uniform(0.3, 0.8), notice, notice, true);
+          const double tall = random.uniform(0.3, 0.8);
+          const double wide = random.uniform(0.3, 1.2);
+          const double up = random.uniform(1.0, 1.5);
+          mesh.box(wall.at(0, 0.01, up), wide, 0.04, tall, notice, notice, true);
           break;
         }
         case 2:
@@ -57,13 +59,18 @@ void add_piece(Mesh& mesh, const Place& at, double length, double half, double h
         case 4:
           if (half > 0.9) add_shelf(mesh, wall, 0.9, random.uniform(0.8, 2.0), library, random);
           break;
-        case 5:
-          add_cupboard(mesh, wall, random.uniform(0.5, 1.2), 0.35, random.uniform(0.8, 2.0), library, random);
+        case 5: {
+          const double tall = random.uniform(0.8, 2.0);
+          const double wide = random.uniform(0.5, 1.2);
+          add_cupboard(mesh, wall, wide, 0.35, tall, library, random);
           break;
+        }
         case 6: {
           const Place seen{wall.point(0, 0, random.uniform(0.6, 1.2)), -1.0 * wall.x, wall.y, wall.z};
-          add_panel(mesh, seen, random.log_uniform(0.3, 2.0), random.uniform(0.4, 1.0),
-                    panel_surface(library, random));
+          const Surface surface = panel_surface(library, random);
+          const double tall = random.uniform(0.4, 1.0);
+          const double wide = random.log_uniform(0.3, 2.0);
+          add_panel(mesh, seen, wide, tall, surface);
           break;
         }
         case 7:

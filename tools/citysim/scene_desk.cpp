@@ -34,12 +34,13 @@ void add_room(Mesh& mesh, const Place& room, double wall_m, double half, const T
   mesh.quad(corners[0], corners[1], corners[2], corners[3], library.any(2.0, 0.4, random));
   const int panels = static_cast<int>(random.below(6));
   for (int i = 0; i < panels; ++i) {
-    const Place at{p(wall_m, random.uniform(-0.7, 0.7) * half, random.uniform(-0.2, 1.0)),
-                   -1.0 * room.y,
-                   -1.0 * room.x,
-                   {0, 0, 1}};
-    add_panel(mesh, at, random.log_uniform(0.15, 0.9), random.log_uniform(0.15, 0.8),
-              panel_surface(library, random));
+    const double above = random.uniform(-0.2, 1.0);
+    const double aside = random.uniform(-0.7, 0.7) * half;
+    const Place at{p(wall_m, aside, above), -1.0 * room.y, -1.0 * room.x, {0, 0, 1}};
+    const Surface surface = panel_surface(library, random);
+    const double tall = random.log_uniform(0.15, 0.8);
+    const double wide = random.log_uniform(0.15, 0.9);
+    add_panel(mesh, at, wide, tall, surface);
   }
 }
 
@@ -53,8 +54,9 @@ void add_thing(Mesh& mesh, const Place& place, double size, const TextureLibrary
     add_screen(mesh, place.turned(kQuarter + random.uniform(-0.6, 0.6)), 1.3 * size, library, random);
   } else if (dice < 0.32) {
     const Surface slope = library.any(size, 0.4, random);
-    add_wedge(mesh, turned, 1.2 * size, size, size * random.uniform(0.15, 0.7), slope,
-              library.any(size, 0.6, random));
+    const Surface sides = library.any(size, 0.6, random);
+    const double high = size * random.uniform(0.15, 0.7);
+    add_wedge(mesh, turned, 1.2 * size, size, high, slope, sides);
   } else {
     add_clutter(mesh, turned, size, library, random);
   }

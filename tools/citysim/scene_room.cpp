@@ -83,8 +83,9 @@ class RoomBuilder {
       const double width = random_.log_uniform(0.2, 1.8);
       if (at + width > length - 0.2) break;
       if (random_.chance(0.6)) {
-        add_panel(mesh_, wall.at(at + 0.5 * width, 0, random_.uniform(0.6, 1.4)), width,
-                  random_.log_uniform(0.2, 1.2), panel_surface(library_, random_));
+        const Surface surface = panel_surface(library_, random_);
+        const double tall = random_.log_uniform(0.2, 1.2);
+        add_panel(mesh_, wall.at(at + 0.5 * width, 0, random_.uniform(0.6, 1.4)), width, tall, surface);
       }
       at += width + random_.uniform(0.1, 1.2);
     }
@@ -95,17 +96,19 @@ class RoomBuilder {
     const Place place = Place{at, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}.turned(angle);
     switch (random_.below(9)) {
       case 0:
-      case 1:
-        add_shelf(mesh_, place, random_.uniform(0.6, 1.2), random_.uniform(0.8, under - 0.2), library_,
-                  random_);
+      case 1: {
+        const double tall = random_.uniform(0.8, under - 0.2);
+        add_shelf(mesh_, place, random_.uniform(0.6, 1.2), tall, library_, random_);
         break;
+      }
       case 2:
       case 3: {
         const double high = random_.uniform(0.5, 0.95);
         add_table(mesh_, place.at(0, 0.35, 0), random_.uniform(0.8, 1.3), 0.65, high, library_, random_);
         for (int i = 0; i < 4; ++i) {
-          add_clutter(mesh_, place.at(random_.uniform(-0.4, 0.4), random_.uniform(0.15, 0.5), high),
-                      random_.log_uniform(0.06, 0.35), library_, random_);
+          const double size = random_.log_uniform(0.06, 0.35);
+          const double deep = random_.uniform(0.15, 0.5);
+          add_clutter(mesh_, place.at(random_.uniform(-0.4, 0.4), deep, high), size, library_, random_);
         }
         if (random_.chance(0.3))
           add_screen(mesh_, place.at(0, 0.2, high), random_.uniform(0.35, 0.7), library_, random_);
@@ -117,10 +120,12 @@ class RoomBuilder {
       case 5:
         add_clutter(mesh_, place.at(0, 0.4, 0), random_.uniform(0.4, 0.8), library_, random_);
         break;
-      case 6:
-        add_cupboard(mesh_, place, random_.uniform(0.5, 1.3), random_.uniform(0.35, 0.6),
-                     random_.uniform(0.8, under - 0.2), library_, random_);
+      case 6: {
+        const double tall = random_.uniform(0.8, under - 0.2);
+        const double deep = random_.uniform(0.35, 0.6);
+        add_cupboard(mesh_, place, random_.uniform(0.5, 1.3), deep, tall, library_, random_);
         break;
+      }
       case 7:
         add_sofa(mesh_, place, random_.uniform(0.9, 1.8), library_, random_);
         break;
@@ -166,8 +171,9 @@ class RoomBuilder {
       case 1: {
         const Surface pillar = library_.any(1.5, 0.5, random_);
         for (const double side : {-0.5, 0.5}) {
-          mesh_.prism(Place{}.at(side * half_x, 0, 0), 4 + static_cast<int>(random_.below(8)),
-                      random_.uniform(0.08, 0.3), low_, pillar);
+          const double radius = random_.uniform(0.08, 0.3);
+          const int sides = 4 + static_cast<int>(random_.below(8));
+          mesh_.prism(Place{}.at(side * half_x, 0, 0), sides, radius, low_, pillar);
         }
         break;
       }
@@ -180,8 +186,9 @@ class RoomBuilder {
         const double high = random_.uniform(0.6, 0.9);
         add_table(mesh_, Place{}, 2 * half_x, 2 * half_y, high, library_, random_);
         for (int i = 0; i < 6; ++i) {
-          add_clutter(mesh_, Place{}.at(random_.uniform(-0.45, 0.45), random_.uniform(-0.3, 0.3), high),
-                      random_.log_uniform(0.08, 0.5), library_, random_);
+          const double size = random_.log_uniform(0.08, 0.5);
+          const double aside = random_.uniform(-0.3, 0.3);
+          add_clutter(mesh_, Place{}.at(random_.uniform(-0.45, 0.45), aside, high), size, library_, random_);
         }
       }
     }

@@ -62,8 +62,10 @@ void add_blobs(Canvas& canvas, int count, int largest, Random& random) {
   for (int i = 0; i < count; ++i) {
     const int radius =
         2 + static_cast<int>(static_cast<double>(largest) * random.uniform() * random.uniform());
-    canvas.spot(static_cast<int>(random.below(kSide)), static_cast<int>(random.below(kSide)), radius,
-                static_cast<float>(random.uniform(-0.9, 0.9)));
+    const float tone = static_cast<float>(random.uniform(-0.9, 0.9));
+    const int y = static_cast<int>(random.below(kSide));
+    const int x = static_cast<int>(random.below(kSide));
+    canvas.spot(x, y, radius, tone);
   }
 }
 

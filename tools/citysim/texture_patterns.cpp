@@ -123,8 +123,11 @@ void asphalt(Canvas& canvas, Random& random) {
   for (int cells = 64; cells <= 512; cells *= 2) add_octave(canvas, cells, 0.28f, random);
   add_octave(canvas, 8, 0.12f, random);
   for (int i = 0; i < 14; ++i) {  // stains and patches
-    canvas.spot(static_cast<int>(random.below(kSide)), static_cast<int>(random.below(kSide)),
-                6 + static_cast<int>(random.below(40)), static_cast<float>(random.uniform(-0.4, 0.25)));
+    const float tone = static_cast<float>(random.uniform(-0.4, 0.25));
+    const int radius = 6 + static_cast<int>(random.below(40));
+    const int y = static_cast<int>(random.below(kSide));
+    const int x = static_cast<int>(random.below(kSide));
+    canvas.spot(x, y, radius, tone);
   }
   for (int crack = 0; crack < 5; ++crack) {
     int x = static_cast<int>(random.below(kSide));
@@ -146,8 +149,9 @@ void planks(Canvas& canvas, Random& random) {
     const float tone = static_cast<float>(random.uniform(-0.25, 0.25));
     canvas.fill(x, 0, width, kSide, tone);
     for (int grain = 0; grain < 6; ++grain) {
-      canvas.add(x + static_cast<int>(random.below(static_cast<std::uint32_t>(width - 2))), 0, 2, kSide,
-                 static_cast<float>(random.uniform(-0.2, 0.1)));
+      const float shade = static_cast<float>(random.uniform(-0.2, 0.1));
+      const int at = x + static_cast<int>(random.below(static_cast<std::uint32_t>(width - 2)));
+      canvas.add(at, 0, 2, kSide, shade);
     }
     canvas.fill(x, 0, 2, kSide, -0.9f);
     canvas.fill(x, static_cast<int>(random.below(kSide)), width, 2, -0.9f);

@@ -96,14 +96,16 @@ void add_person(Mesh& mesh, const Place& place, const TextureLibrary& library, R
 
 void add_tree(Mesh& mesh, const Place& place, const TextureLibrary& library, Random& random) {
   const double height = random.uniform(1.6, 3.2);
-  mesh.prism(place, 6, random.uniform(0.09, 0.25), height + 0.6,
-             library.surface(Pattern::kNoise, 0.8, random), 0.7);
+  const Surface bark = library.surface(Pattern::kNoise, 0.8, random);
+  mesh.prism(place, 6, random.uniform(0.09, 0.25), height + 0.6, bark, 0.7);
   const Surface leaves = library.surface(Pattern::kFoliage, 3.0, random);
   const double radius = random.uniform(1.0, 2.2);
   const int blobs = 2 + static_cast<int>(random.below(3));
   for (int i = 0; i < blobs; ++i) {
-    const Vec3 at = place.point(random.uniform(-0.6, 0.6) * radius, random.uniform(-0.6, 0.6) * radius,
-                                height + random.uniform(0.4, 1.3) * radius);
+    const double up = height + random.uniform(0.4, 1.3) * radius;
+    const double aside = random.uniform(-0.6, 0.6) * radius;
+    const double ahead = random.uniform(-0.6, 0.6) * radius;
+    const Vec3 at = place.point(ahead, aside, up);
     mesh.blob(at, radius * random.uniform(0.6, 1.0), 0.25, leaves, random);
   }
 }
@@ -144,10 +146,13 @@ void add_clutter(Mesh& mesh, const Place& place, double size, const TextureLibra
   const Surface sides = library.any(size * random.uniform(0.8, 2.0), 0.3, random);
   const Surface top = library.any(size, 0.5, random);
   switch (random.below(3)) {
-    case 0:
-      mesh.prism(place, 5 + static_cast<int>(random.below(5)), 0.5 * size * random.uniform(0.4, 1.0),
-                 size * random.uniform(0.5, 1.6), sides, random.uniform(0.7, 1.15));
+    case 0: {
+      const double taper = random.uniform(0.7, 1.15);
+      const double high = size * random.uniform(0.5, 1.6);
+      const double radius = 0.5 * size * random.uniform(0.4, 1.0);
+      mesh.prism(place, 5 + static_cast<int>(random.below(5)), radius, high, sides, taper);
       break;
+    }
     case 1: {
       Place on = place;
       const int boxes = 1 + static_cast<int>(random.below(3));
@@ -155,16 +160,18 @@ void add_clutter(Mesh& mesh, const Place& place, double size, const TextureLibra
       for (int i = 0; i < boxes; ++i) {  // a stack
         const double height = size * random.uniform(0.15, 0.5);
         const Surface other = library.any(size * random.uniform(0.5, 1.5), 0.25, random);
-        mesh.box(on.turned(random.uniform(-0.3, 0.3)), side, side * random.uniform(0.6, 1.0), height, other,
-                 other);
+        const double other_side = side * random.uniform(0.6, 1.0);
+        mesh.box(on.turned(random.uniform(-0.3, 0.3)), side, other_side, height, other, other);
         on = on.at(0, 0, height);
         side *= random.uniform(0.7, 0.95);
       }
       break;
     }
-    default:
-      mesh.box(place, size * random.uniform(0.5, 1.4), size * random.uniform(0.4, 0.9),
-               size * random.uniform(0.3, 1.3), sides, top);
+    default: {
+      const double high = size * random.uniform(0.3, 1.3);
+      const double deep = size * random.uniform(0.4, 0.9);
+      mesh.box(place, size * random.uniform(0.5, 1.4), deep, high, sides, top);
+    }
   }
 }
 

@@ -60,8 +60,9 @@ void add_plant(Mesh& mesh, const Place& place, double size, const TextureLibrary
   const Surface leaves = library.surface(Pattern::kFoliage, 1.2 * size, random);
   const int blobs = 1 + static_cast<int>(random.below(3));
   for (int i = 0; i < blobs; ++i) {
-    const Vec3 at = place.point(random.uniform(-0.12, 0.12) * size, random.uniform(-0.12, 0.12) * size,
-                                size * random.uniform(0.45, 0.85));
+    const double up = size * random.uniform(0.45, 0.85);
+    const double aside = random.uniform(-0.12, 0.12) * size;
+    const Vec3 at = place.point(random.uniform(-0.12, 0.12) * size, aside, up);
     mesh.blob(at, size * random.uniform(0.15, 0.32), 0.3, leaves, random);
   }
 }

@@ -157,18 +157,21 @@ Motion drive_town(const Scene& scene, bool small, double duration_s, std::uint64
 Motion fly_room(const Scene& scene, double duration_s, std::uint64_t seed, Random random) {
   const bool drone = random.chance(0.4);
   const Flyer flyer = drone ? Flyer::kDrone : Flyer::kHand;
-  return {
-      fly(scene.ways, fly_style(flyer, seed), duration_s, seed),
-      mount({random.uniform(0, 0.08), random.uniform(-0.02, 0.02), random.uniform(-0.05, 0.05)},
-            random.uniform(-0.05, 0.05), random.uniform(-0.1, 0.2), drone ? 0 : random.uniform(-0.3, 0.3)),
-      drone ? BusRobot::kDrone : BusRobot::kHand};
+  const double roll = drone ? 0 : random.uniform(-0.3, 0.3);
+  const double pitch = random.uniform(-0.1, 0.2);
+  const double yaw = random.uniform(-0.05, 0.05);
+  const Vec3 at{random.uniform(0, 0.08), random.uniform(-0.02, 0.02), random.uniform(-0.05, 0.05)};
+  return {fly(scene.ways, fly_style(flyer, seed), duration_s, seed), mount(at, yaw, pitch, roll),
+          drone ? BusRobot::kDrone : BusRobot::kHand};
 }
 
 Motion slide_desk(const Scene& scene, double duration_s, std::uint64_t seed, Random random) {
   const bool arm = random.chance(0.5);
-  return {slide(scene.ways, slide_style(arm, seed), duration_s, seed),
-          mount({random.uniform(0, 0.05), 0, random.uniform(0, 0.04)}, random.uniform(-0.05, 0.05),
-                random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)),
+  const double roll = random.uniform(-0.1, 0.1);
+  const double pitch = random.uniform(-0.1, 0.1);
+  const double yaw = random.uniform(-0.05, 0.05);
+  const Vec3 at{random.uniform(0, 0.05), 0, random.uniform(0, 0.04)};
+  return {slide(scene.ways, slide_style(arm, seed), duration_s, seed), mount(at, yaw, pitch, roll),
           BusRobot::kArm};
 }
 
