@@ -67,6 +67,10 @@ class Warp {
   [[nodiscard]] std::span<const std::uint8_t> plane(std::int32_t k) const noexcept {
     return stack_.subspan(static_cast<std::size_t>(k) * pixels_, pixels_);
   }
+  /// The planes of the last vote() one after the other: [used()][height][width].
+  [[nodiscard]] std::span<const std::uint8_t> planes() const noexcept {
+    return stack_.first(static_cast<std::size_t>(used_) * pixels_);
+  }
   /// Hypotheses of the last project(): planes 0 .. used() - 1 are filled by vote().
   [[nodiscard]] std::int32_t used() const noexcept { return used_; }
 

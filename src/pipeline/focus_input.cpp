@@ -1,0 +1,193 @@
+#include "pipeline/focus_input.hpp"
+
+#include "core/check.hpp"
+#include "core/elementary.hpp"
+#include "pipeline/fixed_point.hpp"
+
+namespace egofocus {
+namespace {
+
+constexpr std::int32_t kMostUnits = 127;
+constexpr double kMostShift_q8 = 32767;
+
+// Half away from zero, saturating; a displacement that is no number is none.
+std::int32_t shift_q8(double px) noexcept {
+  const double size = absolute(px) * 256.0;
+  if (!(size >= 0)) return 0;
+  const auto rounded =
+      static_cast<std::int32_t>(floor_of((size < kMostShift_q8 ? size : kMostShift_q8) + 0.5));
+  return px < 0 ? -rounded : rounded;
+}
+
+std::int8_t units_of(std::int32_t value_q8) noexcept {
+  const std::int32_t size = ((value_q8 < 0 ? -value_q8 : value_q8) + 8) >> 4;
+  const std::int32_t capped = size < kMostUnits ? size : kMostUnits;
+  return static_cast<std::int8_t>(value_q8 < 0 ? -capped : capped);
+}
+
+}  // namespace
+
+Status FocusInput::check(const FocusInputConfig& config) noexcept {
+  if (config.map_count < 1 || config.map_count > FocusInputConfig::kMostMaps)
+    return {StatusCode::kBadFocus, "focus input: number of maps (1..8)", config.map_count,
+            FocusInputConfig::kMostMaps};
+  for (std::int32_t m = 0; m < config.map_count; ++m) {
+    const FocusMap& map = config.maps[m];
+    if (map.kind > FocusMapKind::kSquares)
+      return {StatusCode::kBadFocus, "focus input: map (FocusMapKind)", static_cast<std::int64_t>(map.kind)};
+    if (map.side < 1 || map.side > 7 || map.side % 2 == 0)
+      return {StatusCode::kBadFocus, "focus input: side of a support (1, 3, 5, 7)", map.side, 7};
+  }
+  if (config.floor_events_milli < 20 || config.floor_events_milli > 2000)
+    return {StatusCode::kBadFocus, "focus input: floor_events (0.02..2), in thousandths",
+            config.floor_events_milli, 2000};
+  if (config.floor_noise_milli < 100 || config.floor_noise_milli > 8000)
+    return {StatusCode::kBadFocus, "focus input: floor_noise (0.1..8), in thousandths",
+            config.floor_noise_milli, 8000};
+  return {};
+}
+
+FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses,
+                       int parts, Arena& arena) noexcept
+    : config_(config),
+      grid_(grid),
+      cells_(energy_grid(grid.width_px, grid.height_px)),
+      hypotheses_(hypotheses),
+      floor_noise_q20_(static_cast<std::uint32_t>(
+          ((static_cast<std::int64_t>(config.floor_noise_milli) << 20) + 500) / 1000)) {
+  EGOFOCUS_CHECK(hypotheses >= 1 && hypotheses <= kMostHypotheses);
+  const auto depth = static_cast<std::size_t>(hypotheses);
+  const auto width = static_cast<std::size_t>(cells_.width);
+  for (std::int32_t i = 0; i < 4; ++i) scale_[i] = support_scale(2 * i + 1, config.floor_events_milli);
+  sums_ = arena.array<std::uint16_t>(4 * depth * cells_.size());
+  focus_ = arena.array<std::int8_t>(depth * static_cast<std::size_t>(config_.map_count) * cells_.size());
+  context_ = arena.array<std::int8_t>(static_cast<std::size_t>(context_channels()) * cells_.size());
+  column_q8_ = arena.array<std::int32_t>(width);
+  row_q8_ = arena.array<std::int32_t>(static_cast<std::size_t>(cells_.height));
+  for (int i = 0; i < parts; ++i) {
+    Scratch& s = scratch_[i];
+    // sum_cells() works in it, too: four values for each of a cell's four columns.
+    s.counts = arena.array<std::uint32_t>((depth > 16 ? depth : 16) * width);
+    s.reciprocal = arena.array<std::uint32_t>(depth * width);
+    s.ratio = arena.array<std::uint32_t>(depth * width);
+    s.line = arena.array<std::uint32_t>(2 * (width + 6));
+    s.count_sum = arena.array<std::uint32_t>(width);
+    s.deviation = arena.array<std::int16_t>(depth * width);
+    for (std::span<std::uint32_t>* values :
+         {&s.row.mean, &s.row.half, &s.row.scale, &s.row.square, &s.row.noise})
+      *values = arena.array<std::uint32_t>(width);
+    s.row.low = arena.array<std::int32_t>(width);
+    s.row.high = arena.array<std::int32_t>(width);
+    s.row.limit = arena.array<std::int16_t>(width);
+    s.row.factor = arena.array<std::uint16_t>(width);
+    s.row.gain = arena.array<std::uint16_t>(width);
+  }
+}
+
+void FocusInput::run(std::span<const std::uint8_t> planes, const HypothesisLadder& ladder,
+                     const double (&baseline_m)[3], WorkerPool& pool) noexcept {
+  EGOFOCUS_CHECK(ladder.count >= 1 && ladder.count <= hypotheses_);
+  planes_ = planes;
+  used_ = ladder.count;
+  displacements(ladder, baseline_m);
+  pool.run([](void* self, int part,
+              int parts) noexcept { static_cast<FocusInput*>(self)->sum_planes(part, parts); },
+           this);
+  pool.run(
+      [](void* self, int part, int parts) noexcept { static_cast<FocusInput*>(self)->rows(part, parts); },
+      this);
+}
+
+// Where a cell's centre moves with one hypothesis more: its x depends on the column alone, its y on the row.
+void FocusInput::displacements(const HypothesisLadder& ladder, const double (&baseline_m)[3]) noexcept {
+  const double x = baseline_m[0] * ladder.step_per_m;
+  const double y = baseline_m[1] * ladder.step_per_m;
+  const double z = baseline_m[2] * ladder.step_per_m;
+  for (std::int32_t i = 0; i < cells_.width; ++i)
+    column_q8_[static_cast<std::size_t>(i)] = shift_q8(grid_.fx_px * x - z * ((4 * i + 1.5) - grid_.cx_px));
+  for (std::int32_t i = 0; i < cells_.height; ++i)
+    row_q8_[static_cast<std::size_t>(i)] = shift_q8(grid_.fy_px * y - z * ((4 * i + 1.5) - grid_.cy_px));
+}
+
+std::span<std::uint16_t> FocusInput::sums(std::size_t map, std::int32_t k) const noexcept {
+  const std::size_t plane = map * static_cast<std::size_t>(hypotheses_) + static_cast<std::size_t>(k);
+  return sums_.subspan(plane * cells_.size(), cells_.size());
+}
+
+void FocusInput::sum_planes(int part, int parts) noexcept {
+  const auto pixels = static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px);
+  for (std::int32_t k = used_ * part / parts; k < used_ * (part + 1) / parts; ++k) {
+    sum_cells(planes_.subspan(static_cast<std::size_t>(k) * pixels, pixels), grid_.width_px, grid_.height_px,
+              scratch_[part].counts, {sums(0, k), sums(1, k), sums(2, k), sums(3, k)});
+  }
+}
+
+bool FocusInput::has_map(std::int32_t side) const noexcept {
+  for (std::int32_t m = 0; m < config_.map_count; ++m)
+    if (config_.maps[m].side == side) return true;
+  return false;
+}
+
+void FocusInput::rows(int part, int parts) noexcept {
+  Scratch& s = scratch_[part];
+  const auto width = static_cast<std::size_t>(cells_.width);
+  const auto maps = static_cast<std::size_t>(config_.map_count);
+  const std::int32_t end = cells_.height * (part + 1) / parts;
+  for (std::int32_t y = cells_.height * part / parts; y < end; ++y) {
+    for (const std::int32_t side : {1, 3, 5, 7}) {
+      if (side == 1 || side == 7 || has_map(side)) support(side, y, s);
+    }
+    parallax(y);
+    const std::size_t at = static_cast<std::size_t>(y) * width;
+    for (std::size_t plane = static_cast<std::size_t>(used_) * maps;
+         plane < static_cast<std::size_t>(hypotheses_) * maps; ++plane)
+      for (std::int8_t& z : focus_.subspan(plane * cells_.size() + at, width)) z = 0;
+  }
+}
+
+// All that rests on the support of one side, in row y.
+void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept {
+  const SupportScale& scale = scale_[side / 2];
+  const auto width = static_cast<std::size_t>(cells_.width);
+  const std::size_t at = static_cast<std::size_t>(y) * width;
+  const std::span<std::uint32_t> counts = s.counts.first(static_cast<std::size_t>(used_) * width);
+  const std::span<std::uint32_t> ratio = s.ratio.first(counts.size());
+  support_row(sums(3, 0).data(), nullptr, used_, cells_, side, y, s.line, counts.data());
+  for (std::uint32_t& sum : s.count_sum) sum = 0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(used_); ++k)
+    for (std::size_t x = 0; x < width; ++x) s.count_sum[x] += counts[k * width + x];
+  if (side == 1 || side == 7)
+    density_row(scale, s.count_sum, used_, &context_[(side == 1 ? 0 : cells_.size()) + at]);
+  if (!has_map(side)) return;
+  reciprocals(scale, counts, s.reciprocal.data());
+  noise_row(scale, s.count_sum, used_, s.row.noise);
+  const auto maps = static_cast<std::size_t>(config_.map_count);
+  for (std::size_t m = 0; m < maps; ++m) {
+    if (config_.maps[m].side != side) continue;
+    const FocusMapKind kind = config_.maps[m].kind;
+    const std::size_t first = kind == FocusMapKind::kSquares ? 2 : (kind == FocusMapKind::kGradientY ? 1 : 0);
+    const std::uint16_t* const second = kind == FocusMapKind::kGradient ? sums(1, 0).data() : nullptr;
+    support_row(sums(first, 0).data(), second, used_, cells_, side, y, s.line, ratio.data());
+    sharpness_row(scale, floor_noise_q20_, used_, s.reciprocal.first(ratio.size()), ratio, s.deviation, s.row,
+                  &focus_[m * cells_.size() + at], maps * cells_.size(),
+                  &context_[(2 + m) * cells_.size() + at]);
+  }
+}
+
+void FocusInput::parallax(std::int32_t y) noexcept {
+  const auto width = static_cast<std::size_t>(cells_.width);
+  std::int8_t* to = &context_[static_cast<std::size_t>(2 + config_.map_count) * cells_.size() +
+                              static_cast<std::size_t>(y) * width];
+  const std::int32_t dy = row_q8_[static_cast<std::size_t>(y)];
+  const std::int32_t share = (32 * used_ + hypotheses_) / (2 * hypotheses_);  // 16 K / D, half up
+  for (std::size_t x = 0; x < width; ++x) {
+    const std::int32_t dx = column_q8_[x];
+    const auto norm_q8 = floor_square_root_u32(static_cast<std::uint32_t>(dx * dx + dy * dy));
+    to[x] = units_of(dx);
+    to[cells_.size() + x] = units_of(dy);
+    to[2 * cells_.size() + x] = units_of(static_cast<std::int32_t>(norm_q8));
+    to[3 * cells_.size() + x] = static_cast<std::int8_t>(share);
+  }
+}
+
+}  // namespace egofocus

@@ -1,0 +1,251 @@
+#include "pipeline/sharpness.hpp"
+
+#include "core/check.hpp"
+#include "pipeline/fixed_point.hpp"
+
+namespace egofocus {
+namespace {
+
+constexpr std::uint32_t kMostRatio = (1u << 26) - (1u << 13);  // 64 of them, or one times 64, fit 32 bits
+constexpr std::uint32_t kDeviationBits = 13;
+constexpr std::int32_t kMostDeviation = 8191;  // 64 of its squares fit 32 bits
+constexpr std::int16_t kMostUnits = 127;
+constexpr std::int32_t kMostReach = 3;
+
+// Largest shifts that keep energies (2 * 65535 side^4) and counts (4080 side^4) in 32 bits; the counts'
+// leave four bits for remainders.
+constexpr std::uint32_t kEnergyShift[4] = {15, 8, 5, 3};
+constexpr std::uint32_t kCountShift[4] = {15, 9, 6, 4};
+
+std::int8_t log_units(std::uint32_t above_q8, std::uint32_t below_q8) noexcept {
+  const auto units = static_cast<std::int32_t>((above_q8 - below_q8 + 32) >> 6);  // 4 log2
+  return static_cast<std::int8_t>(units < kMostUnits ? units : kMostUnits);
+}
+
+// One box along a row; `in` and `out` have `reach` zeros on either side of what they point to.
+void box_line(const std::uint32_t* in, std::int32_t width, std::int32_t reach, std::uint32_t* out) noexcept {
+  switch (reach) {
+    case 1:
+      for (std::int32_t x = 0; x < width; ++x) out[x] = in[x - 1] + in[x] + in[x + 1];
+      break;
+    case 2:
+      for (std::int32_t x = 0; x < width; ++x)
+        out[x] = (in[x - 2] + in[x - 1]) + in[x] + (in[x + 1] + in[x + 2]);
+      break;
+    default:
+      for (std::int32_t x = 0; x < width; ++x)
+        out[x] = (in[x - 3] + in[x - 2]) + (in[x - 1] + in[x]) + (in[x + 1] + in[x + 2]) + in[x + 3];
+      break;
+  }
+}
+
+void add_weighted(const std::uint16_t* cells, std::int32_t width, std::uint16_t weight,
+                  std::uint32_t* out) noexcept {
+  for (std::int32_t x = 0; x < width; ++x) out[x] += static_cast<std::uint32_t>(cells[x]) * weight;
+}
+
+// R of all hypotheses, and its sum, smallest and largest.
+void ratios(const SupportScale& scale, std::size_t count, std::span<const std::uint32_t> reciprocal,
+            std::span<std::uint32_t> ratio, const SharpnessRow& row) noexcept {
+  const std::size_t width = row.mean.size();
+  std::uint32_t* const sum = row.mean.data();
+  std::int32_t* const low = row.low.data();
+  std::int32_t* const high = row.high.data();
+  for (std::size_t x = 0; x < width; ++x) {
+    sum[x] = 0;
+    low[x] = kMostRatio;
+    high[x] = 0;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    std::uint32_t* const r = ratio.data() + k * width;
+    const std::uint32_t* const one_over = reciprocal.data() + k * width;
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::uint32_t quotient = multiply_high_u32(r[x] << scale.energy_shift, one_over[x]);
+      r[x] = quotient < kMostRatio ? quotient : kMostRatio;
+    }
+    for (std::size_t x = 0; x < width; ++x) {
+      const auto value = static_cast<std::int32_t>(r[x]);
+      sum[x] += r[x];
+      low[x] = value < low[x] ? value : low[x];
+      high[x] = value > high[x] ? value : high[x];
+    }
+  }
+}
+
+// The mean, and how far deviations are shifted to have at most 13 significant bits: 64 squares of them fit.
+// A product with 2^(26 - h) stands for a shift by h, which few vector units have lane by lane.
+void centre(std::uint32_t hypotheses, const SharpnessRow& row) noexcept {
+  for (std::size_t x = 0; x < row.mean.size(); ++x) {
+    const std::uint32_t mean = (row.mean[x] + hypotheses / 2) / hypotheses;
+    const std::uint32_t above = static_cast<std::uint32_t>(row.high[x]) - mean;
+    const std::uint32_t below = mean - static_cast<std::uint32_t>(row.low[x]);
+    const std::uint32_t bits = bit_width_u32(above > below ? above : below);
+    const std::uint32_t h = bits > kDeviationBits ? bits - kDeviationBits : 0;
+    row.mean[x] = mean;
+    row.half[x] = (1u << h) >> 1;
+    row.scale[x] = 1u << (26 - h);
+    row.square[x] = 0;
+  }
+}
+
+// u of one hypothesis, and its square into V.
+void deviations(std::span<const std::uint32_t> ratio, const SharpnessRow& row, std::int16_t* out) noexcept {
+  const std::uint32_t* const r = ratio.data();
+  const std::uint32_t* const mean = row.mean.data();
+  const std::uint32_t* const half = row.half.data();
+  const std::uint32_t* const scale = row.scale.data();
+  for (std::size_t x = 0; x < ratio.size(); ++x) {
+    const auto d = static_cast<std::int32_t>(r[x] - mean[x]);
+    const std::uint32_t size = static_cast<std::uint32_t>(d < 0 ? -d : d) + half[x];
+    const auto shifted = static_cast<std::int32_t>(multiply_high_u32(size << 6, scale[x]));
+    const std::int32_t u = shifted < kMostDeviation ? shifted : kMostDeviation;
+    out[x] = static_cast<std::int16_t>(d < 0 ? -u : u);
+  }
+  std::uint32_t* const square = row.square.data();
+  for (std::size_t x = 0; x < ratio.size(); ++x)
+    square[x] += static_cast<std::uint32_t>(static_cast<std::int32_t>(out[x]) * out[x]);
+}
+
+void divisors(std::uint32_t hypotheses, std::uint32_t floor_noise_q20, const SharpnessRow& row,
+              std::int8_t* contrast_out) noexcept {
+  const std::size_t width = row.mean.size();
+  std::uint32_t* const sd = row.square.data();
+  for (std::size_t x = 0; x < width; ++x)
+    sd[x] = static_cast<std::uint32_t>((static_cast<std::uint64_t>(sd[x]) << 6) / hypotheses);
+  for (std::size_t x = 0; x < width; ++x) sd[x] = 4 * floor_square_root_u32(sd[x]);
+  for (std::size_t x = 0; x < width; ++x) {
+    const std::uint32_t h = 27 - bit_width_u32(row.scale[x]);
+    const std::uint32_t q = row.noise[x];
+    const std::uint64_t floor_noise = static_cast<std::uint64_t>(q) * floor_noise_q20 + (1u << 19);
+    const std::uint32_t divisor = sd[x] + (static_cast<std::uint32_t>(floor_noise >> 20) >> h);
+    const std::uint32_t bits = bit_width_u32(divisor);
+    const std::uint32_t e = bits < 16 ? 16 - bits : 0;
+    const std::uint32_t gain = (1u << 31) / (divisor << e);
+    const std::uint32_t limit = divisor >> 2;
+    row.factor[x] = static_cast<std::uint16_t>(1u << e);
+    row.gain[x] = static_cast<std::uint16_t>(gain < 65535 ? gain : 65535);
+    row.limit[x] = static_cast<std::int16_t>(limit < kMostDeviation ? limit : kMostDeviation);
+    contrast_out[x] = log_units(log2_q8((sd[x] << h) + q), log2_q8(q));
+  }
+}
+
+// z of one hypothesis, half away from zero.
+void quotients(std::span<const std::int16_t> deviation, const SharpnessRow& row, std::int8_t* out) noexcept {
+  const std::int16_t* const u = deviation.data();
+  const std::int16_t* const limit = row.limit.data();
+  const std::uint16_t* const factor = row.factor.data();
+  const std::uint16_t* const gain = row.gain.data();
+  for (std::size_t x = 0; x < deviation.size(); ++x) {
+    const auto size = static_cast<std::int16_t>(u[x] < 0 ? -u[x] : u[x]);
+    const std::int16_t near = size < limit[x] ? size : limit[x];
+    const auto wide = static_cast<std::uint16_t>(near * factor[x]);
+    const auto product = static_cast<std::uint16_t>((static_cast<std::uint32_t>(wide) * gain[x]) >> 16);
+    const auto units = static_cast<std::int16_t>(static_cast<std::uint16_t>(product + 32) >> 6);
+    const std::int16_t capped = units < kMostUnits ? units : kMostUnits;
+    out[x] = static_cast<std::int8_t>(u[x] < 0 ? -capped : capped);
+  }
+}
+
+}  // namespace
+
+SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) noexcept {
+  EGOFOCUS_CHECK(side >= 1 && side <= 7 && side % 2 == 1);
+  EGOFOCUS_CHECK(floor_events_milli >= 20 && floor_events_milli <= 2000);
+  SupportScale out;
+  const auto s = static_cast<std::uint32_t>(side);
+  out.side = side;
+  out.weight = s * s * s * s;
+  out.energy_shift = kEnergyShift[s / 2];
+  out.count_shift = kCountShift[s / 2];
+  const std::uint64_t pixels = std::uint64_t{16} * out.weight << out.count_shift;  // n 2^b < 2^20
+  out.floor =
+      static_cast<std::uint32_t>((pixels * static_cast<std::uint32_t>(floor_events_milli) + 500) / 1000);
+  out.reciprocal_shift = 30 + bit_width_u32(out.floor);
+  // R has 2^(a + c - 32 - b) per 1; q^2 = 4 n 2^b / (m D) with n / m = 4 side^2 / 9, or 1 without a support.
+  const std::uint32_t ratio_bits = out.energy_shift + out.reciprocal_shift - 32 - out.count_shift;
+  const std::uint64_t top = s == 1 ? 1 : 4 * s * s;
+  const std::uint64_t bottom = s == 1 ? 1 : 9;
+  std::uint32_t bits = 2 * ratio_bits + 2 + out.count_shift + 2 * 5;  // g = 5 to begin with
+  const auto constant = [&](std::uint32_t shift) { return (top << shift) / bottom; };
+  while (bits > 55 || constant(bits) / out.floor > 0xffffffffu) {
+    bits -= 2;
+    ++out.noise_shift;
+  }
+  out.noise = constant(bits);
+  return out;
+}
+
+void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
+                 const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
+                 std::uint32_t* out) noexcept {
+  const std::int32_t reach = side / 2;
+  const std::int32_t width = grid.width;
+  const auto stride = static_cast<std::size_t>(width);
+  std::uint32_t* const columns = line.data() + kMostReach;
+  std::uint32_t* const boxed = columns + width + 2 * kMostReach;
+  for (std::uint32_t& v : line) v = 0;
+  const std::int32_t top = y > 2 * reach ? y - 2 * reach : 0;
+  const std::int32_t bottom = y + 2 * reach < grid.height - 1 ? y + 2 * reach : grid.height - 1;
+  for (std::int32_t k = 0; k < hypotheses; ++k) {
+    std::uint32_t* const to = out + static_cast<std::size_t>(k) * stride;
+    std::uint32_t* const sum = reach == 0 ? to : columns;
+    for (std::int32_t x = 0; x < width; ++x) sum[x] = 0;
+    for (std::int32_t v = top; v <= bottom; ++v) {
+      // Rows between y and v that both boxes can meet in, the grid's own alone.
+      const std::int32_t from = (v > y ? v : y) - reach;
+      const std::int32_t to_row = (v < y ? v : y) + reach;
+      const std::int32_t meets =
+          (to_row < grid.height - 1 ? to_row : grid.height - 1) - (from > 0 ? from : 0) + 1;
+      const auto weight = static_cast<std::uint16_t>(meets);
+      const std::size_t at = static_cast<std::size_t>(k) * grid.size() + static_cast<std::size_t>(v) * stride;
+      add_weighted(first + at, width, weight, sum);
+      if (second != nullptr) add_weighted(second + at, width, weight, sum);
+    }
+    if (reach == 0) continue;
+    box_line(columns, width, reach, boxed);
+    box_line(boxed, width, reach, to);
+  }
+}
+
+void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> counts,
+                 std::uint32_t* out) noexcept {
+  const std::uint64_t one = std::uint64_t{1} << scale.reciprocal_shift;
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    out[i] = static_cast<std::uint32_t>(one / ((counts[i] << scale.count_shift) + scale.floor));
+}
+
+void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
+               std::span<std::uint32_t> noise) noexcept {
+  const auto k = static_cast<std::uint32_t>(hypotheses);
+  for (std::size_t x = 0; x < noise.size(); ++x) {
+    const std::uint64_t mean =
+        (static_cast<std::uint64_t>(count_sum[x]) << scale.count_shift) / k + scale.floor;
+    noise[x] = static_cast<std::uint32_t>(scale.noise / static_cast<std::uint32_t>(mean));
+  }
+  for (std::uint32_t& q : noise) q = floor_square_root_u32(q) << scale.noise_shift;
+}
+
+void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std::int32_t hypotheses,
+                   std::span<const std::uint32_t> reciprocal, std::span<std::uint32_t> ratio,
+                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::int8_t* z_out,
+                   std::size_t stride, std::int8_t* contrast_out) noexcept {
+  const std::size_t width = row.mean.size();
+  const auto count = static_cast<std::size_t>(hypotheses);
+  ratios(scale, count, reciprocal, ratio, row);
+  centre(static_cast<std::uint32_t>(hypotheses), row);
+  for (std::size_t k = 0; k < count; ++k)
+    deviations(ratio.subspan(k * width, width), row, deviation.data() + k * width);
+  divisors(static_cast<std::uint32_t>(hypotheses), floor_noise_q20, row, contrast_out);
+  for (std::size_t k = 0; k < count; ++k)
+    quotients(deviation.subspan(k * width, width), row, z_out + k * stride);
+}
+
+void density_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
+                 std::int8_t* out) noexcept {
+  const std::uint32_t none = static_cast<std::uint32_t>(hypotheses) * scale.weight;
+  const std::uint32_t below_q8 = log2_q8(none);
+  for (std::size_t x = 0; x < count_sum.size(); ++x)
+    out[x] = log_units(log2_q8(none + count_sum[x]), below_q8);
+}
+
+}  // namespace egofocus

@@ -1,0 +1,68 @@
+// How sharp each hypothesis is at a cell, against the cell's other hypotheses, as the network is told: one
+// row of cells at a time, 32-bit integers alone. docs/integer_model.md, "The network's input", has the
+// formulas with all ranges; the names here are its names.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "pipeline/focus_energy.hpp"
+
+namespace egofocus {
+
+/// Fixed point of one support: what the ratio of energy and events needs, by side and floor.
+struct SupportScale {
+  std::int32_t side = 1;
+  std::uint32_t weight = 1;            ///< side^4
+  std::uint32_t energy_shift = 0;      ///< a
+  std::uint32_t count_shift = 0;       ///< b
+  std::uint32_t floor = 0;             ///< n floor_events, times 2^b
+  std::uint32_t reciprocal_shift = 0;  ///< c: reciprocals are floor(2^c / D)
+  std::uint64_t noise = 0;             ///< N: (q 2^g)^2 = N / mean D
+  std::uint32_t noise_shift = 0;       ///< 5 - g: q in 1/32 is the root, times 2^noise_shift
+};
+
+/// side: 1, 3, 5 or 7; floor_events_milli: 20..2000.
+SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) noexcept;
+
+/// E_r of row `y` of maps [hypotheses][cells of the grid], as sum_support() has it; `second` is another map
+/// that is added, or nullptr. line: 2 * (width + 6) values. out: [hypotheses][width].
+void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
+                 const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
+                 std::uint32_t* out) noexcept;
+
+/// floor(2^c / D) of n supported counts, D = counts 2^b + floor. counts <= 4080 side^4.
+void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> counts,
+                 std::uint32_t* out) noexcept;
+
+/// One row of cells: arrays of `width` values.
+struct SharpnessRow {
+  std::span<std::uint32_t> mean;  // of R; its sum to begin with
+  std::span<std::int32_t> low;    // smallest and largest R
+  std::span<std::int32_t> high;
+  std::span<std::uint32_t> half;    // 2^h / 2
+  std::span<std::uint32_t> scale;   // 2^(26 - h)
+  std::span<std::uint32_t> square;  // V
+  std::span<std::uint32_t> noise;   // q, in 1/32 unit of R
+  std::span<std::int16_t> limit;    // deviations from here on saturate
+  std::span<std::uint16_t> factor;  // 2^e
+  std::span<std::uint16_t> gain;    // G
+};
+
+/// q of each cell from the sum of the supported counts over `hypotheses`.
+void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
+               std::span<std::uint32_t> noise) noexcept;
+
+/// ratio: energies [hypotheses][width], turned into R. deviation: scratch of the same size. z_out + k *
+/// stride: int8 [width] of hypothesis k; contrast_out: int8 [width]. `row.noise` is noise_row()'s;
+/// floor_noise_q20: 2^16..2^23.
+void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std::int32_t hypotheses,
+                   std::span<const std::uint32_t> reciprocal, std::span<std::uint32_t> ratio,
+                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::int8_t* z_out,
+                   std::size_t stride, std::int8_t* contrast_out) noexcept;
+
+/// 4 log2(1 + events per cell of the support), the mean over the hypotheses. out: int8 [width].
+void density_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
+                 std::int8_t* out) noexcept;
+
+}  // namespace egofocus
