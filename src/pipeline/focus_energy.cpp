@@ -4,58 +4,50 @@ namespace egofocus {
 namespace {
 
 constexpr std::int32_t kCell = 4;
+constexpr std::int32_t kMostReach = 3;
 
 std::uint16_t saturated(std::uint32_t sum) noexcept {
   return static_cast<std::uint16_t>(sum < 65535 ? sum : 65535);
+}
+
+// Squares of counts and of their differences fit 16 bits, where all vector units multiply.
+std::uint16_t squared(std::int32_t difference) noexcept {
+  const auto d = static_cast<std::uint16_t>(difference);
+  return static_cast<std::uint16_t>(static_cast<std::uint32_t>(d) * d);  // exact: at most 255^2, modulo 2^16
 }
 
 // Column sums of one row of pixels, added to those of the cell's earlier rows.
 void add_row(const std::uint8_t* row, const std::uint8_t* above, const std::uint8_t* below,
              std::int32_t width, std::uint32_t* gx, std::uint32_t* gy, std::uint32_t* squares,
              std::uint32_t* counts) noexcept {
-  for (std::int32_t x = 1; x + 1 < width; ++x) {
-    const std::int32_t d = row[x + 1] - row[x - 1];
-    gx[x] += static_cast<std::uint32_t>(d * d);
-  }
+  for (std::int32_t x = 1; x + 1 < width; ++x) gx[x] += squared(row[x + 1] - row[x - 1]);
   if (above != nullptr && below != nullptr) {
-    for (std::int32_t x = 0; x < width; ++x) {
-      const std::int32_t d = below[x] - above[x];
-      gy[x] += static_cast<std::uint32_t>(d * d);
-    }
+    for (std::int32_t x = 0; x < width; ++x) gy[x] += squared(below[x] - above[x]);
   }
-  for (std::int32_t x = 0; x < width; ++x) {
-    const std::uint32_t n = row[x];
-    counts[x] += n;
-    squares[x] += n * n - n;
+  for (std::int32_t x = 0; x < width; ++x) squares[x] += static_cast<std::uint16_t>(squared(row[x]) - row[x]);
+  for (std::int32_t x = 0; x < width; ++x) counts[x] += row[x];
+}
+
+// One box along a row; `in` and `out` have `reach` zeros on either side of what they point to.
+void box_line(const std::uint32_t* in, std::int32_t width, std::int32_t reach, std::uint32_t* out) noexcept {
+  switch (reach) {
+    case 1:
+      for (std::int32_t x = 0; x < width; ++x) out[x] = in[x - 1] + in[x] + in[x + 1];
+      break;
+    case 2:
+      for (std::int32_t x = 0; x < width; ++x)
+        out[x] = (in[x - 2] + in[x - 1]) + in[x] + (in[x + 1] + in[x + 2]);
+      break;
+    default:
+      for (std::int32_t x = 0; x < width; ++x)
+        out[x] = (in[x - 3] + in[x - 2]) + (in[x - 1] + in[x]) + (in[x + 1] + in[x + 2]) + in[x + 3];
+      break;
   }
 }
 
-// One box along rows, in place through `line`; the running sum is exact in modular arithmetic.
-void box_row(std::uint32_t* row, std::int32_t width, std::int32_t reach, std::uint32_t* line) noexcept {
-  std::uint32_t sum = 0;
-  for (std::int32_t x = 0; x < reach && x < width; ++x) sum += row[x];
-  for (std::int32_t x = 0; x < width; ++x) {
-    if (x + reach < width) sum += row[x + reach];
-    if (x - reach - 1 >= 0) sum -= row[x - reach - 1];
-    line[x] = sum;
-  }
-  for (std::int32_t x = 0; x < width; ++x) row[x] = line[x];
-}
-
-// One box along columns.
-void box_columns(const std::uint32_t* in, const EnergyGrid& grid, std::int32_t reach,
-                 std::uint32_t* out) noexcept {
-  const auto width = static_cast<std::size_t>(grid.width);
-  for (std::int32_t y = 0; y < grid.height; ++y) {
-    std::uint32_t* to = out + static_cast<std::size_t>(y) * width;
-    for (std::size_t x = 0; x < width; ++x) to[x] = 0;
-    const std::int32_t first = y - reach > 0 ? y - reach : 0;
-    const std::int32_t last = y + reach < grid.height - 1 ? y + reach : grid.height - 1;
-    for (std::int32_t v = first; v <= last; ++v) {
-      const std::uint32_t* from = in + static_cast<std::size_t>(v) * width;
-      for (std::size_t x = 0; x < width; ++x) to[x] += from[x];
-    }
-  }
+void add_weighted(const std::uint16_t* cells, std::int32_t width, std::uint16_t weight,
+                  std::uint32_t* out) noexcept {
+  for (std::int32_t x = 0; x < width; ++x) out[x] += static_cast<std::uint32_t>(cells[x]) * weight;
 }
 
 }  // namespace
@@ -98,18 +90,36 @@ void sum_cells(std::span<const std::uint8_t> plane, std::int32_t width_px, std::
   }
 }
 
-void sum_support(std::span<const std::uint16_t> cells, const EnergyGrid& grid, std::int32_t side,
-                 std::span<std::uint32_t> scratch, std::span<std::uint32_t> out) noexcept {
-  for (std::size_t i = 0; i < grid.size(); ++i) out[i] = cells[i];
+void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
+                 const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
+                 std::uint32_t* out) noexcept {
   const std::int32_t reach = side / 2;
-  if (reach == 0) return;
-  for (std::int32_t y = 0; y < grid.height; ++y) {
-    std::uint32_t* row = out.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width);
-    box_row(row, grid.width, reach, scratch.data());
-    box_row(row, grid.width, reach, scratch.data());
+  const std::int32_t width = grid.width;
+  const auto stride = static_cast<std::size_t>(width);
+  std::uint32_t* const columns = line.data() + kMostReach;
+  std::uint32_t* const boxed = columns + width + 2 * kMostReach;
+  for (std::uint32_t& v : line) v = 0;
+  const std::int32_t top = y > 2 * reach ? y - 2 * reach : 0;
+  const std::int32_t bottom = y + 2 * reach < grid.height - 1 ? y + 2 * reach : grid.height - 1;
+  for (std::int32_t k = 0; k < hypotheses; ++k) {
+    std::uint32_t* const to = out + static_cast<std::size_t>(k) * stride;
+    std::uint32_t* const sum = reach == 0 ? to : columns;
+    for (std::int32_t x = 0; x < width; ++x) sum[x] = 0;
+    for (std::int32_t v = top; v <= bottom; ++v) {
+      // Rows between y and v that both boxes can meet in, the grid's own alone.
+      const std::int32_t from = (v > y ? v : y) - reach;
+      const std::int32_t to_row = (v < y ? v : y) + reach;
+      const std::int32_t meets =
+          (to_row < grid.height - 1 ? to_row : grid.height - 1) - (from > 0 ? from : 0) + 1;
+      const auto weight = static_cast<std::uint16_t>(meets);
+      const std::size_t at = static_cast<std::size_t>(k) * grid.size() + static_cast<std::size_t>(v) * stride;
+      add_weighted(first + at, width, weight, sum);
+      if (second != nullptr) add_weighted(second + at, width, weight, sum);
+    }
+    if (reach == 0) continue;
+    box_line(columns, width, reach, boxed);
+    box_line(boxed, width, reach, to);
   }
-  box_columns(out.data(), grid, reach, scratch.data());
-  box_columns(scratch.data(), grid, reach, out.data());
 }
 
 void halve_counts(std::span<const std::uint8_t> plane, std::int32_t width_px, std::int32_t height_px,

@@ -10,7 +10,6 @@ constexpr std::uint32_t kMostRatio = (1u << 26) - (1u << 13);  // 64 of them, or
 constexpr std::uint32_t kDeviationBits = 13;
 constexpr std::int32_t kMostDeviation = 8191;  // 64 of its squares fit 32 bits
 constexpr std::int16_t kMostUnits = 127;
-constexpr std::int32_t kMostReach = 3;
 
 // Largest shifts that keep energies (2 * 65535 side^4) and counts (4080 side^4) in 32 bits; the counts'
 // leave four bits for remainders.
@@ -20,28 +19,6 @@ constexpr std::uint32_t kCountShift[4] = {15, 9, 6, 4};
 std::int8_t log_units(std::uint32_t above_q8, std::uint32_t below_q8) noexcept {
   const auto units = static_cast<std::int32_t>((above_q8 - below_q8 + 32) >> 6);  // 4 log2
   return static_cast<std::int8_t>(units < kMostUnits ? units : kMostUnits);
-}
-
-// One box along a row; `in` and `out` have `reach` zeros on either side of what they point to.
-void box_line(const std::uint32_t* in, std::int32_t width, std::int32_t reach, std::uint32_t* out) noexcept {
-  switch (reach) {
-    case 1:
-      for (std::int32_t x = 0; x < width; ++x) out[x] = in[x - 1] + in[x] + in[x + 1];
-      break;
-    case 2:
-      for (std::int32_t x = 0; x < width; ++x)
-        out[x] = (in[x - 2] + in[x - 1]) + in[x] + (in[x + 1] + in[x + 2]);
-      break;
-    default:
-      for (std::int32_t x = 0; x < width; ++x)
-        out[x] = (in[x - 3] + in[x - 2]) + (in[x - 1] + in[x]) + (in[x + 1] + in[x + 2]) + in[x + 3];
-      break;
-  }
-}
-
-void add_weighted(const std::uint16_t* cells, std::int32_t width, std::uint16_t weight,
-                  std::uint32_t* out) noexcept {
-  for (std::int32_t x = 0; x < width; ++x) out[x] += static_cast<std::uint32_t>(cells[x]) * weight;
 }
 
 // R of all hypotheses, and its sum, smallest and largest.
@@ -173,38 +150,6 @@ SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) n
   }
   out.noise = constant(bits);
   return out;
-}
-
-void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
-                 const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
-                 std::uint32_t* out) noexcept {
-  const std::int32_t reach = side / 2;
-  const std::int32_t width = grid.width;
-  const auto stride = static_cast<std::size_t>(width);
-  std::uint32_t* const columns = line.data() + kMostReach;
-  std::uint32_t* const boxed = columns + width + 2 * kMostReach;
-  for (std::uint32_t& v : line) v = 0;
-  const std::int32_t top = y > 2 * reach ? y - 2 * reach : 0;
-  const std::int32_t bottom = y + 2 * reach < grid.height - 1 ? y + 2 * reach : grid.height - 1;
-  for (std::int32_t k = 0; k < hypotheses; ++k) {
-    std::uint32_t* const to = out + static_cast<std::size_t>(k) * stride;
-    std::uint32_t* const sum = reach == 0 ? to : columns;
-    for (std::int32_t x = 0; x < width; ++x) sum[x] = 0;
-    for (std::int32_t v = top; v <= bottom; ++v) {
-      // Rows between y and v that both boxes can meet in, the grid's own alone.
-      const std::int32_t from = (v > y ? v : y) - reach;
-      const std::int32_t to_row = (v < y ? v : y) + reach;
-      const std::int32_t meets =
-          (to_row < grid.height - 1 ? to_row : grid.height - 1) - (from > 0 ? from : 0) + 1;
-      const auto weight = static_cast<std::uint16_t>(meets);
-      const std::size_t at = static_cast<std::size_t>(k) * grid.size() + static_cast<std::size_t>(v) * stride;
-      add_weighted(first + at, width, weight, sum);
-      if (second != nullptr) add_weighted(second + at, width, weight, sum);
-    }
-    if (reach == 0) continue;
-    box_line(columns, width, reach, boxed);
-    box_line(boxed, width, reach, to);
-  }
 }
 
 void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> counts,

@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <span>
 
-#include "pipeline/focus_energy.hpp"
-
 namespace egofocus {
 
 /// Fixed point of one support: what the ratio of energy and events needs, by side and floor.
@@ -24,12 +22,6 @@ struct SupportScale {
 
 /// side: 1, 3, 5 or 7; floor_events_milli: 20..2000.
 SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) noexcept;
-
-/// E_r of row `y` of maps [hypotheses][cells of the grid], as sum_support() has it; `second` is another map
-/// that is added, or nullptr. line: 2 * (width + 6) values. out: [hypotheses][width].
-void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
-                 const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
-                 std::uint32_t* out) noexcept;
 
 /// floor(2^c / D) of n supported counts, D = counts 2^b + floor. counts <= 4080 side^4.
 void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> counts,

@@ -83,12 +83,24 @@ TEST_CASE("the support is two boxes, zero outside, and the largest sums fit") {
                   naive[static_cast<std::size_t>(v * grid.width + u)];
       naive = sum;
     }
-    std::vector<std::uint32_t> scratch(grid.size());
-    std::vector<std::uint32_t> out(grid.size());
-    sum_support(cells, grid, side, scratch, out);
-    for (std::size_t i = 0; i < out.size(); ++i) REQUIRE(out[i] == naive[i]);
+    // Two hypotheses: the cells, and the cells upside down, of which the second map is a copy.
+    std::vector<std::uint16_t> maps = cells;
+    maps.insert(maps.end(), cells.rbegin(), cells.rend());
+    const auto width = static_cast<std::size_t>(grid.width);
+    std::vector<std::uint32_t> line(2 * (width + 6));
+    std::vector<std::uint32_t> out(2 * width);
+    for (const bool twice : {false, true}) {
+      for (int y = 0; y < grid.height; ++y) {
+        support_row(maps.data(), twice ? maps.data() : nullptr, 2, grid, side, y, line, out.data());
+        for (std::size_t x = 0; x < width; ++x) {
+          const std::size_t at = static_cast<std::size_t>(y) * width + x;
+          REQUIRE(out[x] == (twice ? 2 : 1) * naive[at]);
+          REQUIRE(out[width + x] == (twice ? 2 : 1) * naive[naive.size() - 1 - at]);
+        }
+      }
+    }
   }
-  CHECK(65535ll * 7 * 7 * 7 * 7 < 4294967296ll);
+  CHECK(2 * 65535ll * 7 * 7 * 7 * 7 < 4294967296ll);
 }
 
 TEST_CASE("halved counts are sums over 2x2 pixels that saturate") {

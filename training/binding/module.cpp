@@ -4,12 +4,13 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/focus_energy.hpp"
+#include "network_input.hpp"
 #include "python_values.hpp"
 #include "ray_cache.hpp"
 #include "recording/error.hpp"
 #include "recording/event_mask.hpp"
 #include "recording/folder.hpp"
+#include "recording/replay.hpp"
 #include "recording_windows.hpp"
 #include "window_stack.hpp"
 
@@ -28,7 +29,8 @@ py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t
                       const Array<std::uint16_t>& y, const Array<std::int32_t>& motion_t_us,
                       const Array<float>& velocity_m_s, const Array<float>& rate_rad_s, const Grid& camera,
                       int distortion, const std::vector<double>& coefficients, const Ladder& ladder,
-                      int max_events, const Rectangle& crop, const std::vector<std::string>& wanted) {
+                      int max_events, const Rectangle& crop, const std::vector<std::string>& wanted,
+                      const std::optional<FocusMaps>& maps) {
   const py::ssize_t n = t_us.size();
   if (x.size() != n || y.size() != n) refuse("events want as many x and y as times.");
   if (coefficients.size() > 5 || distortion < 0 || distortion > 2) refuse("unknown distortion.");
@@ -69,26 +71,29 @@ py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t
                             .reshape({py::ssize_t{config.camera.intrinsics.height_px},
                                       py::ssize_t{config.camera.intrinsics.width_px}});
   }
-  return has_stack ? merged(std::move(out), arrays_of(*stack, wanted)) : out;
+  return has_stack ? merged(std::move(out), arrays_of(*stack, wanted, maps)) : out;
 }
 
-// float32, rounded to nearest: that costs no more than 2^-24 of a sum.
-py::array_t<float> support(const Array<std::uint16_t>& cells, int side) {
-  if (cells.ndim() != 3 || side < 1 || side > 7 || side % 2 == 0)
-    refuse("support wants cells [n, height, width] and a side of 1, 3, 5 or 7.");
-  const EnergyGrid grid{static_cast<std::int32_t>(cells.shape(2)), static_cast<std::int32_t>(cells.shape(1))};
-  py::array_t<float> out({cells.shape(0), cells.shape(1), cells.shape(2)});
-  const std::uint16_t* from = cells.data();
-  float* to = out.mutable_data();
-  const auto maps = static_cast<std::size_t>(cells.shape(0));
-  const py::gil_scoped_release unlocked;
-  std::vector<std::uint32_t> scratch(grid.size());
-  std::vector<std::uint32_t> sums(grid.size());
-  for (std::size_t i = 0; i < maps; ++i) {
-    sum_support({from + i * grid.size(), grid.size()}, grid, side, scratch, sums);
-    for (std::size_t n = 0; n < grid.size(); ++n) *to++ = static_cast<float>(sums[n]);
-  }
-  return out;
+// The stage alone, on any planes.
+py::tuple focus_input(const Array<std::uint8_t>& planes, int hypotheses, const Grid& grid,
+                      const std::tuple<double, double, double>& baseline_m, double step_per_m,
+                      const FocusMaps& maps, int threads) {
+  const Intrinsics size = intrinsics_of(grid);
+  if (planes.ndim() != 3 || planes.shape(0) < 1 || planes.shape(0) > hypotheses ||
+      hypotheses > FocusInput::kMostHypotheses || planes.shape(1) != size.height_px ||
+      planes.shape(2) != size.width_px || size.width_px < 1 || size.height_px < 1)
+    refuse(
+        "focus_input wants planes [1 to hypotheses, height, width] of the grid, and at most 64 hypotheses.");
+  HypothesisLadder ladder;
+  ladder.count = static_cast<std::int32_t>(planes.shape(0));
+  ladder.step_per_m = step_per_m;
+  const double centre_m[3] = {std::get<0>(baseline_m), std::get<1>(baseline_m), std::get<2>(baseline_m)};
+  WorkerPool pool;
+  recording::require(pool.start(threads, 0, -1), "focus_input");
+  return arrays_of_input(
+      network_input(focus_config_of(maps), size, hypotheses,
+                    {planes.data(), static_cast<std::size_t>(planes.size())}, ladder, centre_m, pool),
+      hypotheses);
 }
 
 // A recording's windows, with the events and the motion that they rest on.
@@ -98,10 +103,11 @@ class Recording {
             const std::optional<Ladder>& ladder)
       : windows_(opened(folder, source, ladder)) {}
 
-  py::dict tick(std::int64_t tick_us, const std::vector<std::string>& wanted) {
+  py::dict tick(std::int64_t tick_us, const std::vector<std::string>& wanted,
+                const std::optional<FocusMaps>& maps) {
     const bool has_stack = windows_.tick(tick_us);
     py::dict out = facts_of(windows_.stack(), has_stack, tick_us);
-    return has_stack ? merged(std::move(out), arrays_of(windows_.stack(), wanted)) : out;
+    return has_stack ? merged(std::move(out), arrays_of(windows_.stack(), wanted, maps)) : out;
   }
 
   [[nodiscard]] std::vector<std::int64_t> truth_times_us() const {
@@ -155,22 +161,26 @@ class Recording {
 
 PYBIND11_MODULE(egofocus_stack, module) {
   module.doc() =
-      "The library's own front end: events and motion -> ladder, stack of warped events, energies.";
+      "The library's own front end: events and motion -> ladder, stack of warped events, the network's "
+      "input.";
   py::register_exception<recording::Error>(module, "StackError");
-  module.def(
-      "stack_window", &stack_window, py::kw_only(), py::arg("t_us"), py::arg("x"), py::arg("y"),
-      py::arg("motion_t_us"), py::arg("velocity_m_s"), py::arg("rate_rad_s"), py::arg("camera"),
-      py::arg("distortion"), py::arg("coefficients"), py::arg("ladder"), py::arg("max_events"),
-      py::arg("crop") = Rectangle{0, 0, 0, 0}, py::arg("wanted"),
-      "One window: times count back from its end. wanted: counts, half, cells, argmax, sgm, event_mask.");
+  module.def("stack_window", &stack_window, py::kw_only(), py::arg("t_us"), py::arg("x"), py::arg("y"),
+             py::arg("motion_t_us"), py::arg("velocity_m_s"), py::arg("rate_rad_s"), py::arg("camera"),
+             py::arg("distortion"), py::arg("coefficients"), py::arg("ladder"), py::arg("max_events"),
+             py::arg("crop") = Rectangle{0, 0, 0, 0}, py::arg("wanted"), py::arg("maps") = std::nullopt,
+             "One window: times count back from its end. wanted: counts, half, cells, focus, context (of "
+             "maps), argmax, "
+             "sgm, event_mask.");
   module.def(
       "keep_rays", [](std::size_t bytes) { ray_cache().keep(bytes); }, py::arg("bytes"),
       "How much the tables of cameras seen last may take.");
-  module.def("support", &support, py::arg("cells"), py::arg("side"), "Two boxes of side x side cells.");
+  module.def("focus_input", &focus_input, py::kw_only(), py::arg("planes"), py::arg("hypotheses"),
+             py::arg("grid"), py::arg("baseline_m"), py::arg("step_per_m"), py::arg("maps"),
+             py::arg("threads") = 1, "(focus, context) of planes of counts [used, height, width].");
   py::class_<Recording>(module, "Recording")
       .def(py::init<const std::string&, const std::optional<std::string>&, const std::optional<Ladder>&>(),
            py::arg("folder"), py::arg("source") = std::nullopt, py::arg("ladder") = std::nullopt)
-      .def("tick", &Recording::tick, py::arg("t_us"), py::arg("wanted"))
+      .def("tick", &Recording::tick, py::arg("t_us"), py::arg("wanted"), py::arg("maps") = std::nullopt)
       .def("truth_times_us", &Recording::truth_times_us)
       .def("truth_m", &Recording::truth_m, py::arg("t_us"))
       .def("events", &Recording::events, py::arg("tick_us"));

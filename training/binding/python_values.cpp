@@ -1,7 +1,9 @@
 #include "python_values.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <span>
+#include <string_view>
 
 #include "pipeline/focus_energy.hpp"
 #include "recording/error.hpp"
@@ -32,6 +34,37 @@ LadderConfig ladder_of(const Ladder& ladder) {
           min_parallax_px};
 }
 
+FocusInputConfig focus_config_of(const FocusMaps& maps) {
+  const auto& [entries, floor_events_milli, floor_noise_milli] = maps;
+  FocusInputConfig config;
+  if (entries.empty() || entries.size() > std::size(config.maps))
+    refuse("the network's input has 1 to " + std::to_string(std::size(config.maps)) + " maps.");
+  config.map_count = 0;
+  for (const auto& [name, side] : entries) {
+    FocusMap& map = config.maps[config.map_count++];
+    const std::string_view names[] = {"gradient", "gradient_x", "gradient_y", "squares"};
+    const auto* const found = std::find(std::begin(names), std::end(names), name);
+    if (found == std::end(names)) refuse("map `" + name + "`: gradient, gradient_x, gradient_y or squares.");
+    map = {static_cast<FocusMapKind>(found - std::begin(names)), side};
+  }
+  config.floor_events_milli = floor_events_milli;
+  config.floor_noise_milli = floor_noise_milli;
+  return config;
+}
+
+py::tuple arrays_of_input(const NetworkInput& input, std::int32_t hypotheses) {
+  const py::ssize_t plane = static_cast<py::ssize_t>(input.cells.size());
+  const auto array = [&](const std::vector<std::int8_t>& values) {
+    return py::array_t<std::int8_t>(static_cast<py::ssize_t>(values.size()), values.data());
+  };
+  const py::ssize_t h = input.cells.height;
+  const py::ssize_t w = input.cells.width;
+  const auto maps = static_cast<py::ssize_t>(input.focus.size()) / plane / hypotheses;
+  const auto channels = static_cast<py::ssize_t>(input.context.size()) / plane;
+  return py::make_tuple(array(input.focus).reshape({py::ssize_t{hypotheses}, maps, h, w}),
+                        array(input.context).reshape({channels, h, w}));
+}
+
 std::vector<CameraMotion> motion_of(const Array<std::int32_t>& t_us, const Array<float>& velocity_m_s,
                                     const Array<float>& rate_rad_s) {
   const py::ssize_t n = t_us.size();
@@ -53,7 +86,8 @@ std::vector<CameraMotion> motion_of(const Array<std::int32_t>& t_us, const Array
   return motion;
 }
 
-py::dict arrays_of(WindowStack& stack, const std::vector<std::string>& wanted) {
+py::dict arrays_of(WindowStack& stack, const std::vector<std::string>& wanted,
+                   const std::optional<FocusMaps>& maps) {
   const auto wants = [&wanted](const char* name) {
     return std::find(wanted.begin(), wanted.end(), name) != wanted.end();
   };
@@ -106,6 +140,18 @@ py::dict arrays_of(WindowStack& stack, const std::vector<std::string>& wanted) {
       }
     }
     out["cells"] = cells;
+  }
+  if (wants("focus") || wants("context")) {
+    if (!maps) refuse("focus and context need the network's maps.");
+    const FocusInputConfig config = focus_config_of(*maps);
+    NetworkInput input;
+    {
+      const py::gil_scoped_release unlocked;
+      input = stack.input(config);
+    }
+    const py::tuple both = arrays_of_input(input, stack.config().ladder.hypotheses);
+    out["focus"] = both[0];
+    out["context"] = both[1];
   }
   for (const bool smoothing : {false, true}) {
     if (!wants(smoothing ? "sgm" : "argmax")) continue;

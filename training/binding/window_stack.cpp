@@ -21,12 +21,6 @@ const KernelTable& kernels() {
 
 }  // namespace
 
-WindowStack::Block WindowStack::block_of(std::size_t bytes) {
-  Block block(std::aligned_alloc(Arena::kAlignment, bytes));
-  if (!block) throw recording::Error(recording::ExitCode::kInternal, "no memory for a window's stack");
-  return block;
-}
-
 Config WindowStack::checked(const Config& config) {
   recording::require(check_config(config), "window");
   return config;
@@ -65,9 +59,8 @@ WindowStack::WindowStack(const Config& config, const Crop& crop, std::span<const
     : config_(checked(config)),
       crop_config_(cropped(config, crop)),
       whole_grid_(working_grid(config)),
-      bytes_(bytes_needed(config_, crop_config_)),
-      block_(block_of(bytes_)),
-      arena_({static_cast<std::byte*>(block_.get()), bytes_}),
+      memory_(bytes_needed(config_, crop_config_)),
+      arena_(memory_.span()),
       filter_(config_, arena_),
       window_(config_.window, arena_),
       warp_(crop_config_, kernels(), arena_) {
@@ -102,8 +95,8 @@ ClassicalDepth WindowStack::classical(bool smoothing) {
   Arena counter;
   const Focus counted(config, 1, counter);
   const DepthDecode decode_counted(config.grid, counter);
-  const Block block = block_of(counter.used_bytes());
-  Arena arena({static_cast<std::byte*>(block.get()), counter.used_bytes()});
+  const ArenaMemory memory(counter.used_bytes());
+  Arena arena(memory.span());
   Focus focus(config, 1, arena);
   DepthDecode decode(config.grid, arena);
   const auto pixels =
@@ -111,6 +104,11 @@ ClassicalDepth WindowStack::classical(bool smoothing) {
   ClassicalDepth out{std::vector<std::uint16_t>(pixels), std::vector<std::uint8_t>(pixels)};
   decode.run(focus.run(warp_, ladder_, track_.knots[0].centre_m, pool_), pool_, out.index_q8, out.confidence);
   return out;
+}
+
+NetworkInput WindowStack::input(const FocusInputConfig& config) {
+  return network_input(config, crop_config_.grid, config_.ladder.hypotheses, warp_.planes(), ladder_,
+                       track_.knots[0].centre_m, pool_);
 }
 
 }  // namespace egofocus::training

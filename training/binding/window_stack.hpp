@@ -3,15 +3,15 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdlib>
 #include <functional>
-#include <memory>
 #include <span>
 #include <vector>
 
+#include "arena_memory.hpp"
 #include "core/arena.hpp"
 #include "core/worker_pool.hpp"
 #include "egofocus/config.hpp"
+#include "network_input.hpp"
 #include "pipeline/event_filter.hpp"
 #include "pipeline/event_window.hpp"
 #include "pipeline/hypothesis_ladder.hpp"
@@ -67,13 +67,10 @@ class WindowStack {
 
   /// Focus costs, with or without semi-global smoothing, and the decoder. After a run() that said true.
   [[nodiscard]] ClassicalDepth classical(bool smoothing);
+  /// What the network is told of the stack. After a run() that said true.
+  [[nodiscard]] NetworkInput input(const FocusInputConfig& config);
 
  private:
-  struct FreeBlock {
-    void operator()(void* block) const { std::free(block); }
-  };
-  using Block = std::unique_ptr<void, FreeBlock>;
-  static Block block_of(std::size_t bytes);
   static Config checked(const Config& config);
   static Config cropped(const Config& config, const Crop& crop);
   static std::size_t bytes_needed(const Config& config, const Config& crop_config);
@@ -81,8 +78,7 @@ class WindowStack {
   Config config_;
   Config crop_config_;
   Intrinsics whole_grid_;
-  std::size_t bytes_;
-  Block block_;
+  ArenaMemory memory_;
   Arena arena_;
   EventFilter filter_;
   EventWindow window_;

@@ -5,6 +5,7 @@ import tomllib
 from dataclasses import dataclass, field
 
 from .errors import CONFIGURATION, FILE, TrainingError
+from .focus_input import thousandths
 from .samples import FAMILIES
 
 
@@ -20,15 +21,15 @@ class DataConfig:
 
 @dataclass
 class InputConfig:
-    """The window's stack and what the network is told of it (focus_input.py)."""
+    """The window's stack and what the network is told of it (docs/integer_model.md)."""
     hypotheses: int = 48
     ladder: str = "parallax"  # or "metric"
     span_px: float = 40.0  # at most 40: citysim's windows reach no further back
     min_parallax_px: float = 5.0
     max_events: int = 80000
     maps: list = field(default_factory=lambda: ["gradient:1", "gradient:3", "gradient:7", "squares:3", "squares:7"])
-    floor_events: float = 0.05  # per pixel: keeps the ratio of energy and events from noise
-    floor_noise: float = 1.0  # in standard deviations of what evenly spread events would do
+    floor_events: float = 0.05  # per pixel, thousandths: keeps the ratio of energy and events from noise
+    floor_noise: float = 1.0  # thousandths, in standard deviations of what evenly spread events would do
 
 
 @dataclass
@@ -146,7 +147,11 @@ def _check(config, where):
     unknown = [name for name in config.data.families if name not in FAMILIES]
     need(not unknown, f"[data] families: no family is called {', '.join(map(str, unknown))}; there are {', '.join(FAMILIES)}")
     need(2 <= i.span_px <= 40, "[input] span_px: 2 to 40, as far as citysim's windows reach")
-    need(i.maps, "[input] maps: at least one")
+    need(1 <= len(i.maps) <= 8, "[input] maps: 1 to 8")
+    for name, low, high in (("floor_events", 0.02, 2), ("floor_noise", 0.1, 8)):
+        value = getattr(i, name)
+        need(low <= value <= high and thousandths(value) is not None,
+             f"[input] {name}: {low} to {high} in whole thousandths, which the integer model keeps exactly")
     for entry in i.maps:
         name, _, side = str(entry).partition(":")
         need(name in ("gradient", "gradient_x", "gradient_y", "squares") and side in ("1", "3", "5", "7"),

@@ -69,7 +69,7 @@ class WindowDataset(torch.utils.data.Dataset):
             except library.stack.StackError as error:
                 raise TrainingError(BAD_FILE, f"{self.shards[shard].path}, sample {index}", str(error)) from None
             if facts["has_stack"]:
-                item = network_inputs(facts, self.config.input, published)
+                item = network_inputs(facts, published)
                 item.update(training_targets(sample, facts, crop, self.config.loss, self.config.input.hypotheses))
                 return item
             where = int(random.integers(len(self.at)))

@@ -30,7 +30,7 @@ def spread_over(paths, count):
 @torch.no_grad()
 def predicted_index(network, facts, config):
     """Index at full resolution, float [height, width]."""
-    inputs = collate([network_inputs(facts, config.input, config.network.order == "published")])
+    inputs = collate([network_inputs(facts, config.network.order == "published")])
     device = next(network.parameters()).device
     prediction = network({name: tensor.to(device) for name, tensor in inputs.items()})
     width, height = facts["grid"][:2]

@@ -14,13 +14,14 @@ from . import errors, library
 from .config import load_config
 from .dataset import collate
 from .evaluate import load_network
+from .focus_input import binding_maps
 from .metrics import enlarge
 from .model.regression import distribution
 from .recordings import reference_of
 from .samples import Shard
-from .windows import ladder_of, network_inputs, stack_sample
+from .windows import ladder_of, network_inputs, stack_sample, wanted_arrays
 
-_WANTED = ["half", "cells", "counts"]
+_WANTED = wanted_arrays(published=True)
 
 
 def colours(values, low, high):
@@ -55,7 +56,7 @@ def window_of_recording(config, at_us):
     recording = library.stack.Recording(place.folder, place.source or None, ladder_of(config.input, place.z_near_m))
     references = dict(reference_of(recording, place))
     at_us = at_us if at_us is not None else next(iter(references), 0)
-    facts = recording.tick(at_us, _WANTED)
+    facts = recording.tick(at_us, _WANTED, binding_maps(config.input))
     width, height = facts["grid"][:2]
     t_us, x, y = recording.events(at_us)
     events = np.zeros((height, width))
@@ -72,7 +73,7 @@ def render(network, config, facts, events, truth):
     """The picture, u8 [height, width, 3]."""
     from PIL import Image, ImageDraw
 
-    inputs = collate([network_inputs(facts, config.input, config.network.order == "published")])
+    inputs = collate([network_inputs(facts, config.network.order == "published")])
     prediction = network(inputs)
     p = distribution(prediction.scores, inputs["used"])[0].numpy()
     height, width = events.shape

@@ -1,8 +1,8 @@
-"""A sample as the network sees it: the library's stack and energies, and the truth in steps of its ladder."""
+"""A sample as the network sees it: the library's stack and focus, and the truth in steps of its ladder."""
 import numpy as np
 
 from . import library
-from .focus_input import network_input
+from .focus_input import binding_maps
 from .targets import coarse_index, histogram, index_of
 
 
@@ -19,20 +19,16 @@ def stack_sample(sample, input_config, wanted, crop=(0, 0, 0, 0), span_factor=1.
         t_us=sample.t_us, x=sample.x, y=sample.y, motion_t_us=sample.motion_t_us, velocity_m_s=sample.velocity_m_s,
         rate_rad_s=sample.rate_rad_s, camera=camera.grid(), distortion=camera.distortion,
         coefficients=list(camera.coefficients), ladder=ladder_of(input_config, sample.z_near_m, span_factor),
-        max_events=input_config.max_events, crop=crop, wanted=list(wanted))
+        max_events=input_config.max_events, crop=crop, wanted=list(wanted), maps=binding_maps(input_config))
 
 
 def wanted_arrays(published):
-    return ("half", "cells", "counts") if published else ("half", "cells")
+    return ("focus", "context", "half", "counts") if published else ("focus", "context", "half")
 
 
-def network_inputs(facts, input_config, published=False):
-    """The network's inputs of one window, as numpy."""
-    focus, context = network_input(facts, input_config)
-    inputs = {"focus": focus, "context": context, "half": facts["half"], "used": np.int64(facts["hypotheses"])}
-    if published:
-        inputs["counts"] = facts["counts"]
-    return inputs
+def network_inputs(facts, published=False):
+    """The network's inputs of one window, as numpy: its wanted_arrays() and how many hypotheses it used."""
+    return {name: facts[name] for name in wanted_arrays(published)} | {"used": np.int64(facts["hypotheses"])}
 
 
 def training_targets(sample, facts, crop, loss_config, hypotheses):
