@@ -7,6 +7,7 @@ namespace egofocus {
 namespace {
 
 constexpr std::uint32_t kMostRatio = (1u << 26) - (1u << 13);  // 64 of them, or one times 64, fit 32 bits
+constexpr std::uint32_t kMostRatioBits = 13;                   // so that R saturates at 8191 or beyond
 constexpr std::uint32_t kDeviationBits = 13;
 constexpr std::int32_t kMostDeviation = 8191;  // 64 of its squares fit 32 bits
 constexpr std::int16_t kMostUnits = 127;
@@ -137,7 +138,9 @@ SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) n
   const std::uint64_t pixels = std::uint64_t{16} * out.weight << out.count_shift;  // n 2^b < 2^20
   out.floor =
       static_cast<std::uint32_t>((pixels * static_cast<std::uint32_t>(floor_events_milli) + 500) / 1000);
-  out.reciprocal_shift = 30 + bit_width_u32(out.floor);
+  const std::uint32_t longest = 30 + bit_width_u32(out.floor);
+  const std::uint32_t enough = 32 + kMostRatioBits + out.count_shift - out.energy_shift;
+  out.reciprocal_shift = longest < enough ? longest : enough;
   // R has 2^(a + c - 32 - b) per 1; q^2 = 4 n 2^b / (m D) with n / m = 4 side^2 / 9, or 1 without a support.
   const std::uint32_t ratio_bits = out.energy_shift + out.reciprocal_shift - 32 - out.count_shift;
   const std::uint64_t top = s == 1 ? 1 : 4 * s * s;

@@ -72,7 +72,7 @@ def support_constants(side, floor_events_milli):
     a, b = {1: (15, 15), 3: (8, 9), 5: (5, 6), 7: (3, 4)}[side]
     n = 16 * side ** 4
     floor = (n * 2 ** b * floor_events_milli + 500) // 1000
-    c = 30 + floor.bit_length()
+    c = min(30 + floor.bit_length(), 45 + b - a)
     ratio_bits = a + c - 32 - b
     top, bottom = (1, 1) if side == 1 else (4 * side ** 2, 9)
     for g in range(5, -20, -1):
