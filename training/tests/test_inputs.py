@@ -5,14 +5,15 @@ import types
 import numpy as np
 import pytest
 import small_world
+from focus_reference import displacement_px, float_sharpness
 
 from egofocus_training.augment import add_hot_pixels, augment, drop_events, flip_horizontal, flip_vertical, noisy_motion
 from egofocus_training.config import AugmentConfig, InputConfig, LossConfig
-from egofocus_training.focus_input import context_channels, displacement_px, network_input, normalised, to_int8
+from egofocus_training.focus_input import context_channels
 from egofocus_training.library import stack
 from egofocus_training.samples import parse_sample
 from egofocus_training.targets import coarse_index, histogram, index_of
-from egofocus_training.windows import network_inputs, stack_sample, training_targets
+from egofocus_training.windows import network_inputs, stack_sample, training_targets, wanted_arrays
 
 # 16 px at 1 m: 16 of span reach z_near = 1 m with hypothesis 15.
 CONFIG = InputConfig(hypotheses=16, span_px=16.0)
@@ -24,12 +25,12 @@ def sample_of(*arguments, **keywords):
 
 def test_the_ladder_and_the_focus_are_where_the_wall_is():
     sample = sample_of(2.0)
-    facts = stack_sample(sample, CONFIG, ["half", "cells", "counts", "argmax", "event_mask"])
+    facts = stack_sample(sample, CONFIG, ["half", "cells", "focus", "context", "counts", "argmax", "event_mask"])
     assert facts["has_stack"] and facts["hypotheses"] == 16
     assert facts["step_per_m"] == pytest.approx(1 / 15, rel=1e-2)  # 16 px = 1 m * f * 0.2 s * 1 m/s, to one knot of 127
     assert facts["baseline_m"] == pytest.approx((-0.2, 0, 0), abs=2e-3)
     truth = 0.5 / facts["step_per_m"]
-    focus, context = network_input(facts, CONFIG)
+    focus, context = facts["focus"], facts["context"]
     assert focus.shape == (16, 5, 20, 24) and context.shape == (context_channels(CONFIG), 20, 24)
     inner = focus[:, :, 3:-3, 6:-6].astype(int)
     best = inner[:, 2].argmax(axis=0)  # gradient, support 7
@@ -48,9 +49,9 @@ def test_the_ladder_and_the_focus_are_where_the_wall_is():
 
 
 def test_hypotheses_that_the_ladder_left_out_are_zero():
-    facts = stack_sample(sample_of(4.0, z_near_m=3.0), CONFIG, ["half", "cells"])
+    facts = stack_sample(sample_of(4.0, z_near_m=3.0), CONFIG, wanted_arrays(published=False))
     assert facts["hypotheses"] == 8
-    focus, context = network_input(facts, CONFIG)
+    focus, context = facts["focus"], facts["context"]
     assert not focus[8:].any() and focus[:8].any() and not facts["half"][8:].any()
     assert np.all(context[-1] == 8)  # K / D = 1/2 in units of 1/16
 
@@ -98,31 +99,21 @@ def test_augmentation_depends_on_its_generators_alone():
 
 def test_normalisation_by_hand():
     config = InputConfig(floor_events=0.5, floor_noise=1.0)
-    energy = np.array([8.0, 16.0, 0.0, 8.0], np.float32).reshape(4, 1, 1)
-    counts = np.full((4, 1, 1), 8, np.float32)  # 16 px: density 1/2
-    z, contrast = normalised(energy, counts, 1, config)
+    energy = np.array([8.0, 16.0, 0.0, 8.0]).reshape(4, 1, 1)
+    counts = np.full((4, 1, 1), 8.0)  # 16 px: density 1/2
+    z, contrast = float_sharpness(energy, counts, 1, config)
     ratio = np.array([0.5, 1.0, 0.0, 0.5])  # E / (S + 16 * 0.5)
     sd, q = np.sqrt(0.125), np.sqrt(4 / (16 * (0.5 + 0.5)))
     assert z.ravel() == pytest.approx((ratio - 0.5) / (sd + q), rel=1e-6)
     assert contrast.item() == pytest.approx(np.log2(1 + sd / q) / 4, rel=1e-6)
-    assert to_int8(np.array([0.03, 0.04, 20.0, -20.0])).tolist() == [0, 1, 127, -127]
 
 
 def test_displacement_of_one_hypothesis():
     facts = {"grid": (96, 80, 80.0, 90.0, 47.5, 39.5), "baseline_m": (-0.2, 0.1, 0.4), "step_per_m": 0.5}
-    moved = displacement_px(facts)
-    assert moved.shape == (2, 20, 24)
+    columns, rows = displacement_px(facts)
+    assert columns.shape == (24,) and rows.shape == (20,)
     u, v = 4 * 5 + 1.5, 4 * 7 + 1.5
-    assert moved[:, 7, 5] == pytest.approx([80 * -0.1 - 0.2 * (u - 47.5), 90 * 0.05 - 0.2 * (v - 39.5)])
-
-
-def test_support_is_two_boxes():
-    cells = np.zeros((1, 7, 7), np.uint16)
-    cells[0, 3, 3] = 1
-    row = np.array([0, 1, 2, 3, 2, 1, 0])
-    assert np.array_equal(stack.support(cells, 3)[0], row[:, None] * row[None, :])
-    with pytest.raises(stack.StackError, match="1, 3, 5 or 7"):
-        stack.support(cells, 4)
+    assert (columns[5], rows[7]) == pytest.approx([80 * -0.1 - 0.2 * (u - 47.5), 90 * 0.05 - 0.2 * (v - 39.5)])
 
 
 def test_index_and_its_cells():
@@ -150,12 +141,12 @@ def test_histogram_by_hand():
 def test_targets_of_a_crop():
     sample = sample_of(2.0)
     crop = (0, 0, 64, 48)
-    facts = stack_sample(sample, CONFIG, ["half", "cells"], crop)
+    facts = stack_sample(sample, CONFIG, wanted_arrays(published=False), crop)
     targets = training_targets(sample, facts, crop, LossConfig(movers=0.25), 16)
     assert targets["index_2"].shape == (24, 32) and targets["label"].shape == (16, 12, 16)
     assert targets["weight_4"][0, 0] == 0.25 and targets["weight_4"][2, 2] == 1
     assert np.allclose(targets["index_4"], 0.5 / facts["step_per_m"], rtol=1e-3)
-    inputs = network_inputs(facts, CONFIG)
+    inputs = network_inputs(facts)
     assert inputs["focus"].shape[2:] == (12, 16) and inputs["half"].shape == (16, 24, 32)
 
 
