@@ -45,9 +45,55 @@ void box_line(const std::uint32_t* in, std::int32_t width, std::int32_t reach, s
   }
 }
 
-void add_weighted(const std::uint16_t* cells, std::int32_t width, std::uint16_t weight,
-                  std::uint32_t* out) noexcept {
-  for (std::int32_t x = 0; x < width; ++x) out[x] += static_cast<std::uint32_t>(cells[x]) * weight;
+// Rows that a doubled box takes in around row y, and how often: as many times as both boxes meet in a row of
+// the grid.
+struct RowWeights {
+  std::int32_t first = 0;
+  std::int32_t count = 0;
+  std::uint16_t weight[4 * kMostReach + 1] = {};
+};
+RowWeights row_weights(std::int32_t height, std::int32_t reach, std::int32_t y) noexcept {
+  RowWeights out;
+  out.first = y > 2 * reach ? y - 2 * reach : 0;
+  const std::int32_t last = y + 2 * reach < height - 1 ? y + 2 * reach : height - 1;
+  for (std::int32_t v = out.first; v <= last; ++v) {
+    const std::int32_t from = (v > y ? v : y) - reach;
+    const std::int32_t to = (v < y ? v : y) + reach;
+    out.weight[out.count++] =
+        static_cast<std::uint16_t>((to < height - 1 ? to : height - 1) - (from > 0 ? from : 0) + 1);
+  }
+  return out;
+}
+
+// kCells sums at once stay where vector units keep them. `first` and `second` are at the first row.
+template <std::int32_t kCells>
+void sum_rows(const std::uint16_t* first, const std::uint16_t* second, std::int32_t width,
+              const RowWeights& rows, std::uint32_t* out) noexcept {
+  std::uint32_t sum[kCells] = {};
+  for (const std::uint16_t* cells : {first, second}) {
+    if (cells == nullptr) continue;
+    for (std::int32_t v = 0; v < rows.count; ++v, cells += width) {
+      const std::uint16_t weight = rows.weight[v];
+      for (std::int32_t x = 0; x < kCells; ++x) sum[x] += static_cast<std::uint32_t>(cells[x]) * weight;
+    }
+  }
+  for (std::int32_t x = 0; x < kCells; ++x) out[x] = sum[x];
+}
+
+void sum_rows(const std::uint16_t* first, const std::uint16_t* second, std::int32_t width,
+              const RowWeights& rows, std::uint32_t* out) noexcept {
+  constexpr std::int32_t kBlock = 16;
+  const std::int32_t block_end = width - kBlock;
+  for (std::int32_t x = 0; x < width;) {
+    const std::uint16_t* const other = second != nullptr ? second + x : nullptr;
+    if (width < kBlock) {
+      sum_rows<1>(first + x, other, width, rows, out + x);
+      ++x;
+    } else {
+      sum_rows<kBlock>(first + x, other, width, rows, out + x);
+      x = x < block_end && x + kBlock > block_end ? block_end : x + kBlock;  // the last one overlaps
+    }
+  }
 }
 
 }  // namespace
@@ -99,23 +145,13 @@ void support_row(const std::uint16_t* first, const std::uint16_t* second, std::i
   std::uint32_t* const columns = line.data() + kMostReach;
   std::uint32_t* const boxed = columns + width + 2 * kMostReach;
   for (std::uint32_t& v : line) v = 0;
-  const std::int32_t top = y > 2 * reach ? y - 2 * reach : 0;
-  const std::int32_t bottom = y + 2 * reach < grid.height - 1 ? y + 2 * reach : grid.height - 1;
+  const RowWeights rows = row_weights(grid.height, reach, y);
+  const std::size_t first_cell = static_cast<std::size_t>(rows.first) * stride;
   for (std::int32_t k = 0; k < hypotheses; ++k) {
     std::uint32_t* const to = out + static_cast<std::size_t>(k) * stride;
     std::uint32_t* const sum = reach == 0 ? to : columns;
-    for (std::int32_t x = 0; x < width; ++x) sum[x] = 0;
-    for (std::int32_t v = top; v <= bottom; ++v) {
-      // Rows between y and v that both boxes can meet in, the grid's own alone.
-      const std::int32_t from = (v > y ? v : y) - reach;
-      const std::int32_t to_row = (v < y ? v : y) + reach;
-      const std::int32_t meets =
-          (to_row < grid.height - 1 ? to_row : grid.height - 1) - (from > 0 ? from : 0) + 1;
-      const auto weight = static_cast<std::uint16_t>(meets);
-      const std::size_t at = static_cast<std::size_t>(k) * grid.size() + static_cast<std::size_t>(v) * stride;
-      add_weighted(first + at, width, weight, sum);
-      if (second != nullptr) add_weighted(second + at, width, weight, sum);
-    }
+    const std::size_t at = static_cast<std::size_t>(k) * grid.size() + first_cell;
+    sum_rows(first + at, second != nullptr ? second + at : nullptr, width, rows, sum);
     if (reach == 0) continue;
     box_line(columns, width, reach, boxed);
     box_line(boxed, width, reach, to);
