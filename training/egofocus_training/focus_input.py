@@ -7,13 +7,13 @@ q is about what sd would be if events were evenly spread, m the number of pixels
 two boxes overlap, and 16 without a support.
 Hypotheses k >= K, which the ladder left out, are 0. Context: density of events under both ends of the supports, log of
 sd / q of each map, the parallax of one hypothesis at p in px (x, y, norm), and K / D.
-Both leave as int8 in units of 1/16: the integer model starts from these bytes.
+Both leave as bytes 0..127 about 64, in the steps of units.py: the integer model starts from them.
 """
 import numpy as np
 
 from . import library
+from .units import CONTEXT, FOCUS, HIGH, ZERO
 
-UNITS = 16.0  # int8 value per 1.0
 _NOISE = 4.0  # a: a gradient's energy is 4 per event where events are evenly spread, and varies as much
 
 
@@ -28,11 +28,12 @@ def parse_maps(maps):
     return [(name, int(side)) for name, side in pairs]
 
 
-def to_int8(values):
-    """Round half to even, saturate at +-127."""
-    scaled = np.multiply(values, UNITS, dtype=np.float32)
+def to_bytes(values, step):
+    """Round half to even, saturate."""
+    scaled = np.multiply(values, 1 / step, dtype=np.float32)
     np.rint(scaled, out=scaled)
-    return np.clip(scaled, -127, 127, out=scaled).astype(np.int8)
+    scaled += ZERO
+    return np.clip(scaled, 0, HIGH, out=scaled).astype(np.uint8)
 
 
 def normalised(energy, counts, side, config):
@@ -58,7 +59,7 @@ def displacement_px(facts):
 
 
 def network_input(facts, config):
-    """(focus int8 [D, maps, h, w], context int8 [channels, h, w]) of a window's facts and its `cells`."""
+    """(focus u8 [D, maps, h, w], context u8 [channels, h, w]) of a window's facts and its `cells`."""
     used, cells = facts["hypotheses"], facts["cells"]
     depth, (h, w) = cells.shape[1], cells.shape[2:]
     gradient_x, gradient_y, squares, counts = (cells[i, :used] for i in range(4))
@@ -75,14 +76,14 @@ def network_input(facts, config):
         return supported[name, side]
 
     maps = parse_maps(config.maps)
-    focus = np.zeros((depth, len(maps), h, w), np.int8)
+    focus = np.full((depth, len(maps), h, w), ZERO, np.uint8)
     context = []
     for side in (1, 7):
         context.append(np.log2(1 + support("counts", side).mean(axis=0) / side ** 4) / 4)
     for m, (name, side) in enumerate(maps):
         z, contrast = normalised(support(name, side), support("counts", side), side, config)
-        focus[:used, m] = to_int8(z)
+        focus[:used, m] = to_bytes(z, FOCUS)
         context.append(contrast)
     moved = displacement_px(facts)
     context += [moved[0], moved[1], np.hypot(moved[0], moved[1]), np.full((h, w), used / depth)]
-    return focus, to_int8(np.stack(context))
+    return focus, to_bytes(np.stack(context), CONTEXT)
