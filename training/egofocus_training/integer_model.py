@@ -69,7 +69,7 @@ def _rounded_16(x):
 
 
 class IntegerModel:
-    """network: a FocusNetwork after activate(), order focus_first, without IHCA."""
+    """network: a FocusNetwork that rounds (quantisation.py), order focus_first, without IHCA."""
 
     def __init__(self, network):
         if network.published or len(network.ihca) or not network.aggregation.head.active:

@@ -54,8 +54,8 @@ def set_columns(network):
     first.columns[4:] = network.refinement.large_guide.scale / place
 
 
-def activate(network):
-    """Rounds from now on. Batch norm is part of the convolutions and does not change any more."""
+def set_rounding(network, active):
+    """While it rounds, batch norm is part of the convolutions and does not change any more."""
     for module in network.modules():
         if isinstance(module, (Bytes, Conv, ConvBnRelu)):
-            module.active = True
+            module.active = active

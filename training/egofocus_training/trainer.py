@@ -11,7 +11,7 @@ from .dataset import WindowDataset, epoch_loader
 from .errors import CONFIGURATION, DIVERGED, TrainingError
 from .losses import loss_terms
 from .model.network import FocusNetwork
-from .quantisation import activate, calibrate, is_quantised
+from .quantisation import calibrate, is_quantised, set_rounding
 
 CHECKPOINT = "checkpoint.pt"
 WEIGHTS = "weights.pt"  # the average alone: what is evaluated and shipped
@@ -69,8 +69,8 @@ class Trainer:
         checkpoint.load_weights(self.average.network, state["average"], path)
         self.optimiser.load_state_dict(state["optimiser"])
         if state["quantised"]:
-            activate(self.network)
-            activate(self.average.network)
+            set_rounding(self.network, True)
+            set_rounding(self.average.network, True)
         self.step, self.epoch, self.batch = state["step"], state["epoch"], state["batch"]
         self.seconds, self.shards = state["seconds"], state["shards"]
 
@@ -108,8 +108,8 @@ class Trainer:
                 break
         calibrate(self.average.network, batches)
         self.network.load_state_dict(self.average.network.state_dict())
-        activate(self.network)
-        activate(self.average.network)
+        set_rounding(self.network, True)
+        set_rounding(self.average.network, True)
 
     def run(self, until, after_step):
         """Trains until this step; after_step(terms) after each, which may stop by returning True."""

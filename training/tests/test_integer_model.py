@@ -11,7 +11,7 @@ from egofocus_training.integer_model import IntegerConv, IntegerModel
 from egofocus_training.model.bytes import Bytes, rounded_weights
 from egofocus_training.model.layers import twice_as_large
 from egofocus_training.model.network import FocusNetwork
-from egofocus_training.quantisation import activate, calibrate, is_quantised
+from egofocus_training.quantisation import calibrate, is_quantised, set_rounding
 from egofocus_training.units import ZERO
 
 CONFIG = """
@@ -58,7 +58,7 @@ def quantised():
         network(as_batch(random_inputs(config, seed)))  # batch norm's statistics
     calibrate(network, [as_batch(random_inputs(config, seed)) for seed in range(4)])
     network.eval()
-    activate(network)
+    set_rounding(network, True)
     return config, network
 
 
@@ -97,11 +97,9 @@ def test_quantisation_changes_little(quantised):
     inputs = as_batch(random_inputs(config, 20))
     with torch.no_grad():
         rounded = network(inputs).scores
-        for module in network.modules():
-            if hasattr(module, "active"):
-                module.active = False
+        set_rounding(network, False)
         exact = network(inputs).scores
-        activate(network)
+        set_rounding(network, True)
     assert not torch.equal(exact, rounded)
     assert (exact - rounded).abs().mean() < 0.1 * exact.std()
 
