@@ -7,7 +7,6 @@
 namespace egofocus {
 namespace {
 
-constexpr std::int32_t kMostUnits = 127;
 constexpr double kMostShift_q8 = 32767;
 
 // Half away from zero, saturating; a displacement that is no number is none.
@@ -19,10 +18,8 @@ std::int32_t shift_q8(double px) noexcept {
   return px < 0 ? -rounded : rounded;
 }
 
-std::int8_t units_of(std::int32_t value_q8) noexcept {
-  const std::int32_t size = ((value_q8 < 0 ? -value_q8 : value_q8) + 8) >> 4;
-  const std::int32_t capped = size < kMostUnits ? size : kMostUnits;
-  return static_cast<std::int8_t>(value_q8 < 0 ? -capped : capped);
+std::uint8_t shift_byte(std::int32_t value_q8) noexcept {
+  return input_byte(static_cast<std::uint32_t>((value_q8 < 0 ? -value_q8 : value_q8) + 4) >> 3, value_q8 < 0);
 }
 
 }  // namespace
@@ -60,8 +57,8 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
   const auto width = static_cast<std::size_t>(cells_.width);
   for (std::int32_t i = 0; i < 4; ++i) scale_[i] = support_scale(2 * i + 1, config.floor_events_milli);
   sums_ = arena.array<std::uint16_t>(4 * depth * cells_.size());
-  focus_ = arena.array<std::int8_t>(depth * static_cast<std::size_t>(config_.map_count) * cells_.size());
-  context_ = arena.array<std::int8_t>(static_cast<std::size_t>(context_channels()) * cells_.size());
+  focus_ = arena.array<std::uint8_t>(depth * static_cast<std::size_t>(config_.map_count) * cells_.size());
+  context_ = arena.array<std::uint8_t>(static_cast<std::size_t>(context_channels()) * cells_.size());
   column_q8_ = arena.array<std::int32_t>(width);
   row_q8_ = arena.array<std::int32_t>(static_cast<std::size_t>(cells_.height));
   for (int i = 0; i < parts; ++i) {
@@ -141,7 +138,7 @@ void FocusInput::rows(int part, int parts) noexcept {
     const std::size_t at = static_cast<std::size_t>(y) * width;
     for (std::size_t plane = static_cast<std::size_t>(used_) * maps;
          plane < static_cast<std::size_t>(hypotheses_) * maps; ++plane)
-      for (std::int8_t& z : focus_.subspan(plane * cells_.size() + at, width)) z = 0;
+      for (std::uint8_t& z : focus_.subspan(plane * cells_.size() + at, width)) z = kInputZero;
   }
 }
 
@@ -176,17 +173,17 @@ void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept
 
 void FocusInput::parallax(std::int32_t y) noexcept {
   const auto width = static_cast<std::size_t>(cells_.width);
-  std::int8_t* to = &context_[static_cast<std::size_t>(2 + config_.map_count) * cells_.size() +
-                              static_cast<std::size_t>(y) * width];
+  std::uint8_t* to = &context_[static_cast<std::size_t>(2 + config_.map_count) * cells_.size() +
+                               static_cast<std::size_t>(y) * width];
   const std::int32_t dy = row_q8_[static_cast<std::size_t>(y)];
-  const std::int32_t share = (32 * used_ + hypotheses_) / (2 * hypotheses_);  // 16 K / D, half up
+  const std::int32_t share = (64 * used_ + hypotheses_) / (2 * hypotheses_);  // 32 K / D, half up
   for (std::size_t x = 0; x < width; ++x) {
     const std::int32_t dx = column_q8_[x];
     const auto norm_q8 = floor_square_root_u32(static_cast<std::uint32_t>(dx * dx + dy * dy));
-    to[x] = units_of(dx);
-    to[cells_.size() + x] = units_of(dy);
-    to[2 * cells_.size() + x] = units_of(static_cast<std::int32_t>(norm_q8));
-    to[3 * cells_.size() + x] = static_cast<std::int8_t>(share);
+    to[x] = shift_byte(dx);
+    to[cells_.size() + x] = shift_byte(dy);
+    to[2 * cells_.size() + x] = shift_byte(static_cast<std::int32_t>(norm_q8));
+    to[3 * cells_.size() + x] = static_cast<std::uint8_t>(kInputZero + share);
   }
 }
 

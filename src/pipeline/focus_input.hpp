@@ -51,10 +51,10 @@ class FocusInput {
   [[nodiscard]] const EnergyGrid& cells() const noexcept { return cells_; }
   /// density at sides 1 and 7, contrast of each map, parallax of one hypothesis x, y, norm, share of D
   [[nodiscard]] std::int32_t context_channels() const noexcept { return config_.map_count + 6; }
-  /// [D][maps][cells], 1/16: z of each hypothesis; 0 from ladder.count on.
-  [[nodiscard]] std::span<const std::int8_t> focus() const noexcept { return focus_; }
-  /// [channels][cells], 1/16.
-  [[nodiscard]] std::span<const std::int8_t> context() const noexcept { return context_; }
+  /// [D][maps][cells], steps of 1/8: z of each hypothesis; kInputZero from ladder.count on.
+  [[nodiscard]] std::span<const std::uint8_t> focus() const noexcept { return focus_; }
+  /// [channels][cells], steps of 1/32.
+  [[nodiscard]] std::span<const std::uint8_t> context() const noexcept { return context_; }
 
  private:
   static constexpr int kMaxParts = WorkerPool::kMaxParts;
@@ -82,8 +82,8 @@ class FocusInput {
   std::uint32_t floor_noise_q20_;
   SupportScale scale_[4];
   std::span<std::uint16_t> sums_;  // [gradient_x, gradient_y, squares, counts][D][cells]
-  std::span<std::int8_t> focus_;
-  std::span<std::int8_t> context_;
+  std::span<std::uint8_t> focus_;
+  std::span<std::uint8_t> context_;
   std::span<std::int32_t> column_q8_;  // [width] px of one hypothesis
   std::span<std::int32_t> row_q8_;     // [height]
   Scratch scratch_[kMaxParts];

@@ -10,16 +10,15 @@ constexpr std::uint32_t kMostRatio = (1u << 26) - (1u << 13);  // 64 of them, or
 constexpr std::uint32_t kMostRatioBits = 13;                   // so that R saturates at 8191 or beyond
 constexpr std::uint32_t kDeviationBits = 13;
 constexpr std::int32_t kMostDeviation = 8191;  // 64 of its squares fit 32 bits
-constexpr std::int16_t kMostUnits = 127;
 
 // Largest shifts that keep energies (2 * 65535 side^4) and counts (4080 side^4) in 32 bits; the counts'
 // leave four bits for remainders.
 constexpr std::uint32_t kEnergyShift[4] = {15, 8, 5, 3};
 constexpr std::uint32_t kCountShift[4] = {15, 9, 6, 4};
 
-std::int8_t log_units(std::uint32_t above_q8, std::uint32_t below_q8) noexcept {
-  const auto units = static_cast<std::int32_t>((above_q8 - below_q8 + 32) >> 6);  // 4 log2
-  return static_cast<std::int8_t>(units < kMostUnits ? units : kMostUnits);
+// log2(above / below) / 4 in steps of 1/32
+std::uint8_t log_byte(std::uint32_t above_q8, std::uint32_t below_q8) noexcept {
+  return input_byte((above_q8 - below_q8 + 16) >> 5, false);
 }
 
 // R of all hypotheses, and its sum, smallest and largest.
@@ -85,7 +84,7 @@ void deviations(std::span<const std::uint32_t> ratio, const SharpnessRow& row, s
 }
 
 void divisors(std::uint32_t hypotheses, std::uint32_t floor_noise_q20, const SharpnessRow& row,
-              std::int8_t* contrast_out) noexcept {
+              std::uint8_t* contrast_out) noexcept {
   const std::size_t width = row.mean.size();
   std::uint32_t* const sd = row.square.data();
   for (std::size_t x = 0; x < width; ++x)
@@ -103,12 +102,12 @@ void divisors(std::uint32_t hypotheses, std::uint32_t floor_noise_q20, const Sha
     row.factor[x] = static_cast<std::uint16_t>(1u << e);
     row.gain[x] = static_cast<std::uint16_t>(gain < 65535 ? gain : 65535);
     row.limit[x] = static_cast<std::int16_t>(limit < kMostDeviation ? limit : kMostDeviation);
-    contrast_out[x] = log_units(log2_q8((sd[x] << h) + q), log2_q8(q));
+    contrast_out[x] = log_byte(log2_q8((sd[x] << h) + q), log2_q8(q));
   }
 }
 
 // z of one hypothesis, half away from zero.
-void quotients(std::span<const std::int16_t> deviation, const SharpnessRow& row, std::int8_t* out) noexcept {
+void quotients(std::span<const std::int16_t> deviation, const SharpnessRow& row, std::uint8_t* out) noexcept {
   const std::int16_t* const u = deviation.data();
   const std::int16_t* const limit = row.limit.data();
   const std::uint16_t* const factor = row.factor.data();
@@ -118,9 +117,9 @@ void quotients(std::span<const std::int16_t> deviation, const SharpnessRow& row,
     const std::int16_t near = size < limit[x] ? size : limit[x];
     const auto wide = static_cast<std::uint16_t>(near * factor[x]);
     const auto product = static_cast<std::uint16_t>((static_cast<std::uint32_t>(wide) * gain[x]) >> 16);
-    const auto units = static_cast<std::int16_t>(static_cast<std::uint16_t>(product + 32) >> 6);
-    const std::int16_t capped = units < kMostUnits ? units : kMostUnits;
-    out[x] = static_cast<std::int8_t>(u[x] < 0 ? -capped : capped);
+    const auto steps = static_cast<std::int16_t>(static_cast<std::uint16_t>(product + 64) >> 7);
+    const auto signed_steps = static_cast<std::int16_t>(u[x] < 0 ? -steps : steps);  // -64..64
+    out[x] = static_cast<std::uint8_t>(kInputZero + (signed_steps < 63 ? signed_steps : 63));
   }
 }
 
@@ -175,8 +174,8 @@ void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_s
 
 void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std::int32_t hypotheses,
                    std::span<const std::uint32_t> reciprocal, std::span<std::uint32_t> ratio,
-                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::int8_t* z_out,
-                   std::size_t stride, std::int8_t* contrast_out) noexcept {
+                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::uint8_t* z_out,
+                   std::size_t stride, std::uint8_t* contrast_out) noexcept {
   const std::size_t width = row.mean.size();
   const auto count = static_cast<std::size_t>(hypotheses);
   ratios(scale, count, reciprocal, ratio, row);
@@ -189,11 +188,11 @@ void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std
 }
 
 void density_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
-                 std::int8_t* out) noexcept {
+                 std::uint8_t* out) noexcept {
   const std::uint32_t none = static_cast<std::uint32_t>(hypotheses) * scale.weight;
   const std::uint32_t below_q8 = log2_q8(none);
   for (std::size_t x = 0; x < count_sum.size(); ++x)
-    out[x] = log_units(log2_q8(none + count_sum[x]), below_q8);
+    out[x] = log_byte(log2_q8(none + count_sum[x]), below_q8);
 }
 
 }  // namespace egofocus

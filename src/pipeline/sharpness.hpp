@@ -8,6 +8,17 @@
 
 namespace egofocus {
 
+/// Bytes 0..127 mean (byte - kInputZero) steps, of 1/8 for the focus and 1/32 for the context: no instruction
+/// set's 8-bit products overflow on them.
+inline constexpr std::int32_t kInputZero = 64;
+
+/// The byte of so many steps up or down, saturating.
+inline std::uint8_t input_byte(std::uint32_t steps, bool down) noexcept {
+  const std::uint32_t most = down ? 64 : 63;
+  const auto capped = static_cast<std::int32_t>(steps < most ? steps : most);
+  return static_cast<std::uint8_t>(kInputZero + (down ? -capped : capped));
+}
+
 /// Fixed point of one support: what the ratio of energy and events needs, by side and floor.
 struct SupportScale {
   std::int32_t side = 1;
@@ -46,15 +57,15 @@ void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_s
                std::span<std::uint32_t> noise) noexcept;
 
 /// ratio: energies [hypotheses][width], turned into R. deviation: scratch of the same size. z_out + k *
-/// stride: int8 [width] of hypothesis k; contrast_out: int8 [width]. `row.noise` is noise_row()'s;
+/// stride: bytes [width] of hypothesis k; contrast_out: bytes [width]. `row.noise` is noise_row()'s;
 /// floor_noise_q20: 2^16..2^23.
 void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std::int32_t hypotheses,
                    std::span<const std::uint32_t> reciprocal, std::span<std::uint32_t> ratio,
-                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::int8_t* z_out,
-                   std::size_t stride, std::int8_t* contrast_out) noexcept;
+                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::uint8_t* z_out,
+                   std::size_t stride, std::uint8_t* contrast_out) noexcept;
 
-/// 4 log2(1 + events per cell of the support), the mean over the hypotheses. out: int8 [width].
+/// log2(1 + events per cell of the support) / 4, the mean over the hypotheses. out: bytes [width].
 void density_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
-                 std::int8_t* out) noexcept;
+                 std::uint8_t* out) noexcept;
 
 }  // namespace egofocus

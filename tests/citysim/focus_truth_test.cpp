@@ -2,6 +2,8 @@
 // one.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "citysim/film.hpp"
 #include "small_worlds.hpp"
@@ -67,7 +69,9 @@ Window shoot(const World& world, std::int64_t end_us) {
   return window;
 }
 
-/// Patches of 15x15 px of one depth with enough events and enough parallax to tell 20 % apart.
+/// Patches of 15x15 px of one depth with enough events and enough parallax to tell 20 % apart. Sharpness is
+/// the number of pairs of a place's events that share a pixel. (Whatever else a wrong depth throws onto the
+/// patch would only tell how busy its neighbours are.)
 Score score(const World& world, const Window& sample) {
   constexpr int kHalf = 7;
   const Optics optics(world.camera);
@@ -82,6 +86,11 @@ Score score(const World& world, const Window& sample) {
   const auto moves = [&](std::size_t i) {
     const std::int32_t object = sample.truth.object[i];
     return object >= 0 && world.scene.objects[static_cast<std::size_t>(object)].moves;
+  };
+  using Pixel = std::pair<int, int>;
+  const auto pixel_of = [&in](const Landing& landing) {
+    return Pixel(static_cast<int>(std::floor(in.fx_px * landing.x + in.cx_px + 0.5)),
+                 static_cast<int>(std::floor(in.fy_px * landing.y + in.cy_px + 0.5)));
   };
   Score out;
   for (int v = kHalf + 2; v < in.height_px - kHalf - 2; v += 12) {
@@ -104,35 +113,21 @@ Score score(const World& world, const Window& sample) {
       const Landing off_end = land(begin, now, middle, rho / 1.2);
       const double apart_px = in.fx_px * std::hypot(true_end.x - off_end.x, true_end.y - off_end.y);
       if (apart_px < 3.0) continue;
-      double sharpness[3] = {0, 0, 0};
-      double landed = 0;
+      std::vector<std::size_t> here;  // the events of this place, by the true depth
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Pixel pixel = pixel_of(land(then[i], now, rays[i], rho));
+        if (std::abs(pixel.first - u) <= kHalf && std::abs(pixel.second - v) <= kHalf) here.push_back(i);
+      }
+      if (here.size() < 100) continue;  // textured: it gives events
+      double together[3] = {};
       for (int k = 0; k < 3; ++k) {
         const double tried = k == 0 ? rho : (k == 1 ? rho * 1.2 : rho / 1.2);
-        double patch[2 * kHalf + 1][2 * kHalf + 1] = {};
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-          const Landing landing = land(then[i], now, rays[i], tried);
-          const int x = static_cast<int>(std::floor(in.fx_px * landing.x + in.cx_px + 0.5)) - u + kHalf;
-          const int y = static_cast<int>(std::floor(in.fy_px * landing.y + in.cy_px + 0.5)) - v + kHalf;
-          if (x >= 0 && x <= 2 * kHalf && y >= 0 && y <= 2 * kHalf) {
-            patch[y][x] += 1;
-            landed += k == 0;
-          }
-        }
-        double sum = 0;
-        double squares = 0;
-        for (const auto& line : patch) {
-          for (const double count : line) {
-            sum += count;
-            squares += count * count;
-          }
-        }
-        const double n = (2 * kHalf + 1) * (2 * kHalf + 1);
-        // Contrast over the mean: more events in all, from elsewhere, are not sharpness.
-        sharpness[k] = sum > 0 ? n * squares / (sum * sum) : 0;
+        std::map<Pixel, double> counts;
+        for (const std::size_t i : here) counts[pixel_of(land(then[i], now, rays[i], tried))] += 1;
+        for (const auto& [pixel, count] : counts) together[k] += count * (count - 1);
       }
-      if (landed < 100) continue;  // textured: it gives events
       ++out.places;
-      out.right += sharpness[0] > sharpness[1] && sharpness[0] > sharpness[2];
+      out.right += together[0] > together[1] && together[0] > together[2];
     }
   }
   return out;

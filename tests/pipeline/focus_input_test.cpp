@@ -40,8 +40,8 @@ std::vector<std::uint8_t> random_planes(int hypotheses, unsigned seed, unsigned 
 }
 
 struct Result {
-  std::vector<std::int8_t> focus;
-  std::vector<std::int8_t> context;
+  std::vector<std::uint8_t> focus;
+  std::vector<std::uint8_t> context;
   EnergyGrid cells;
 };
 
@@ -64,8 +64,9 @@ Result run(const FocusInputConfig& config, int hypotheses, const std::vector<std
           input.cells()};
 }
 
-double saturated(double units) {
-  return std::clamp(units, -127.0, 127.0);
+// The byte that so many steps would be, were it not rounded.
+double unrounded(double steps) {
+  return 64 + std::clamp(steps, -64.0, 63.0);
 }
 
 // Two boxes, zero outside, of the map's energy in every cell of hypothesis k.
@@ -109,7 +110,7 @@ struct Distance {
   double contrast = 0;
 };
 
-// Largest distances, in units, of one map's bytes from the formulas.
+// Largest distances, in steps, of one map's bytes from the formulas.
 Distance worst_error(const Result& r, const std::vector<std::uint8_t>& planes, const FocusInputConfig& config,
                      std::size_t m) {
   const FocusMap& map = config.maps[m];
@@ -138,17 +139,17 @@ Distance worst_error(const Result& r, const std::vector<std::uint8_t>& planes, c
     const double q = std::sqrt(4 / (pixels * (density[i] + floor_events)));
     for (std::size_t k = 0; k < used; ++k) {
       const double z = (ratio[k][i] - mean) / (std::sqrt(variance) + config.floor_noise_milli / 1000.0 * q);
-      worst.z = std::max(worst.z, std::abs(saturated(16 * z) - r.focus[(k * maps + m) * density.size() + i]));
+      worst.z = std::max(worst.z, std::abs(unrounded(8 * z) - r.focus[(k * maps + m) * density.size() + i]));
     }
-    const double contrast = 16 * std::log2(1 + std::sqrt(variance) / q) / 4;
+    const double contrast = 32 * std::log2(1 + std::sqrt(variance) / q) / 4;
     worst.contrast =
-        std::max(worst.contrast, std::abs(saturated(contrast) - r.context[(2 + m) * density.size() + i]));
+        std::max(worst.contrast, std::abs(unrounded(contrast) - r.context[(2 + m) * density.size() + i]));
   }
   return worst;
 }
 
-std::uint32_t hash(const std::vector<std::int8_t>& bytes, std::uint32_t sum = 2166136261u) {
-  for (const std::int8_t b : bytes) sum = (sum ^ static_cast<std::uint8_t>(b)) * 16777619u;
+std::uint32_t hash(const std::vector<std::uint8_t>& bytes, std::uint32_t sum = 2166136261u) {
+  for (const std::uint8_t b : bytes) sum = (sum ^ b) * 16777619u;
   return sum;
 }
 
@@ -176,20 +177,20 @@ TEST_CASE("one cell of four hypotheses, by hand") {
   noise_row(scale, {&count_sum, 1}, 4, {&noise, 1});
   CHECK(noise == 1u << 17);  // q = sqrt(4 / (16 (1/2 + 1/2))) = 1/2
   // R = 1/2, 1, 0, 1/2; h = 0, u = 0, 4096, -4096, 0; V = 2^25, sd = 4 floor(sqrt(2^29)) = 92680;
-  // the divisor is 92680 + 2^17 = 223752, G = 9597, and 4096 * 9597 / 2^16 = 599 makes 9 units.
+  // the divisor is 92680 + 2^17 = 223752, G = 9597, and 4096 * 9597 / 2^16 = 599 makes 5 steps.
   std::vector<std::uint32_t> ratio{8, 16, 0, 8};
   std::vector<std::int16_t> deviation(4);
-  std::vector<std::int8_t> z(4);
-  std::int8_t contrast = -1;
+  std::vector<std::uint8_t> z(4);
+  std::uint8_t contrast = 0;
   sharpness_row(scale, 1u << 20, 4, reciprocal, ratio, deviation, row, z.data(), 1, &contrast);
   CHECK(ratio == std::vector<std::uint32_t>{1u << 12, 1u << 13, 0, 1u << 12});
   CHECK(deviation == std::vector<std::int16_t>{0, 4096, -4096, 0});
   CHECK(gain == 9597);
-  CHECK(z == std::vector<std::int8_t>{0, 9, -9, 0});  // 16 * 0.5 / (0.354 + 0.5) = 9.4
-  CHECK(contrast == 3);                               // 4 log2(1.707) = 3.1
-  std::int8_t density = -1;
+  CHECK(z == std::vector<std::uint8_t>{64, 69, 59, 64});  // 8 * 0.5 / (0.354 + 0.5) = 4.7
+  CHECK(contrast == 64 + 6);                              // 8 log2(1.707) = 6.2
+  std::uint8_t density = 0;
   density_row(scale, {&count_sum, 1}, 4, &density);
-  CHECK(density == 13);  // 4 log2(1 + 8) = 12.7
+  CHECK(density == 64 + 25);  // 8 log2(1 + 8) = 25.4
 }
 
 TEST_CASE("roots and logarithms") {
@@ -205,7 +206,7 @@ TEST_CASE("roots and logarithms") {
     CHECK(std::abs(log2_q8(static_cast<std::uint32_t>(x)) - 256 * std::log2(x)) < 1.3);
 }
 
-TEST_CASE("focus and contrast are the formulas', to less than a unit") {
+TEST_CASE("focus and contrast are the formulas', to less than a step") {
   struct Kind {
     int used, hypotheses;
     unsigned one_in, largest;
@@ -232,25 +233,25 @@ TEST_CASE("what was left out is zero, and context tells the parallax") {
   const Result r = run(kBase, 32, random_planes(8, 3, 4, 5));
   const std::size_t cells = r.cells.size();
   CHECK(std::any_of(r.focus.begin(), r.focus.begin() + static_cast<std::ptrdiff_t>(8 * 5 * cells),
-                    [](std::int8_t z) { return z != 0; }));
+                    [](std::uint8_t z) { return z != kInputZero; }));
   CHECK(std::all_of(r.focus.begin() + static_cast<std::ptrdiff_t>(8 * 5 * cells), r.focus.end(),
-                    [](std::int8_t z) { return z == 0; }));
+                    [](std::uint8_t z) { return z == kInputZero; }));
   // Baseline times step: (-1/64, 1/128, 1/16). Cell (3, 2) has its centre at (13.5, 9.5).
   const auto at = static_cast<std::size_t>(2 * r.cells.width + 3);
   const double x = 80 / -64.0 - (13.5 - 30.5) / 16;
   const double y = 90 / 128.0 - (9.5 - 18.25) / 16;
-  CHECK(std::abs(r.context[7 * cells + at] - 16 * x) <= 0.6);
-  CHECK(std::abs(r.context[8 * cells + at] - 16 * y) <= 0.6);
-  CHECK(std::abs(r.context[9 * cells + at] - 16 * std::hypot(x, y)) <= 0.6);
-  CHECK(r.context[10 * cells + at] == 4);  // 8 of 32, in 1/16
+  CHECK(std::abs(r.context[7 * cells + at] - unrounded(32 * x)) <= 0.6);
+  CHECK(std::abs(r.context[8 * cells + at] - unrounded(32 * y)) <= 0.6);
+  CHECK(std::abs(r.context[9 * cells + at] - unrounded(32 * std::hypot(x, y))) <= 0.6);
+  CHECK(r.context[10 * cells + at] == 64 + 8);  // 8 of 32
 }
 
 TEST_CASE("no events, one event, and pixels that are full") {
   const auto none = std::vector<std::uint8_t>(16 * kWidth * kHeight);
   const Result empty = run(kBase, 16, none);
-  CHECK(std::all_of(empty.focus.begin(), empty.focus.end(), [](std::int8_t z) { return z == 0; }));
+  CHECK(std::all_of(empty.focus.begin(), empty.focus.end(), [](std::uint8_t z) { return z == kInputZero; }));
   CHECK(std::all_of(empty.context.begin(), empty.context.begin() + 7 * 160,
-                    [](std::int8_t c) { return c == 0; }));
+                    [](std::uint8_t c) { return c == kInputZero; }));
   auto one = none;
   one[static_cast<std::size_t>((4 * kHeight + 20) * kWidth + 30)] = 1;
   CHECK(worst_error(run(kBase, 16, one), one, kBase, 3).z < 0.7);
@@ -267,7 +268,7 @@ TEST_CASE("no events, one event, and pixels that are full") {
     CHECK(at_full.contrast < 0.8);
     const Distance at_hot = worst_error(run(kBase, 16, hot), hot, kBase, m);
     CHECK(at_hot.z < 0.8);
-    CHECK(at_hot.contrast < (m == 0 ? 14 : 0.8));  // 4 log2(81281 / 8191) = 13.2
+    CHECK(at_hot.contrast < (m == 0 ? 27 : 0.8));  // 8 log2(81281 / 8191) = 26.5
   }
 }
 
@@ -279,7 +280,7 @@ TEST_CASE("the same bytes for any number of threads, on any processor") {
     CHECK(more.focus == one.focus);
     CHECK(more.context == one.context);
   }
-  CHECK(hash(one.context, hash(one.focus)) == 0xa2b0cca3u);
+  CHECK(hash(one.context, hash(one.focus)) == 0xb4174e09u);
 }
 
 TEST_CASE("settings that the integers do not hold are refused") {

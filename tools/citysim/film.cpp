@@ -69,22 +69,27 @@ void Film::cut_to(std::int64_t start_us) {
   last_us_ = -1;
 }
 
-void Film::begin(std::int64_t t_us, std::vector<Event>& events) {
+void Film::look(std::int64_t t_us) {
   const double t = seconds(t_us);
   renderer_.render(world_.camera_at(t).pose, t, scratches_[0], views_[0], {.blur = false});
+  pace_ = pace_of(world_, optics_, views_[0], t_us);
+}
+
+void Film::begin(std::vector<Event>& events) {
+  look(start_us_);
   ++counters_.views;
   counters_.tiles += static_cast<std::uint64_t>(optics_.tiles_across() * optics_.tiles_down());
   std::vector<float> light = views_[0].light;
   std::vector<float> spare;
   renderer_.blur(light, spare);
-  const LightView first{t_us, light, {}};
+  const LightView first{start_us_, light, {}};
   sensor_.show({&first, 1}, workers_, events);
-  last_us_ = t_us;
+  last_us_ = start_us_;
 }
 
 Film::Batch Film::plan(std::int64_t t_us) const {
   const std::int64_t end_us = std::min(last_us_ + kLongestBatchUs, t_us);
-  FilmPace pace = pace_of(world_, optics_, views_[0], last_us_);
+  FilmPace pace = pace_;
   for (const std::int64_t later_us : {(last_us_ + end_us) / 2, end_us}) {
     const FilmPace later = pace_of(world_, optics_, views_[0], later_us);
     pace.fast = std::max(pace.fast, later.fast);
@@ -220,27 +225,25 @@ void Film::count(const Batch& batch) {
   for (const int stride : batch.stride)
     counters_.tiles += static_cast<std::uint64_t>((batch.steps + stride - 1) / stride);
   // How far each tile really moved between two of its renders.
-  const FilmPace pace = pace_of(world_, optics_, views_[0], last_us_);
   const double step_s = seconds(batch.times_us[1] - batch.times_us[0]);
   std::size_t far = 0;
-  for (std::size_t tile = 0; tile < pace.tile.size(); ++tile)
-    far += static_cast<double>(pace.tile[tile]) * step_s * batch.stride[tile] > 1.0 && batch.stride[tile] > 1;
-  if (pace.fast * step_s > 1.0 || far * 100 > pace.tile.size())
+  for (std::size_t tile = 0; tile < pace_.tile.size(); ++tile)
+    far +=
+        static_cast<double>(pace_.tile[tile]) * step_s * batch.stride[tile] > 1.0 && batch.stride[tile] > 1;
+  if (pace_.fast * step_s > 1.0 || far * 100 > pace_.tile.size())
     counters_.wide_steps += static_cast<std::uint64_t>(batch.steps);
 }
 
 void Film::run_to(std::int64_t t_us, std::vector<Event>& events) {
-  if (last_us_ < 0) begin(start_us_, events);
+  if (last_us_ < 0) begin(events);
   while (last_us_ < t_us) {
-    if (views_[0].inverse_depth.empty()) {  // restored: the last view is made again
-      const double t = seconds(last_us_);
-      renderer_.render(world_.camera_at(t).pose, t, scratches_[0], views_[0], {.blur = false});
-    }
+    if (views_[0].inverse_depth.empty()) look(last_us_);  // restored: the last view is made again
     const Batch batch = plan(t_us);
     render(batch);
     show(batch, events);
     std::swap(views_[0], views_[static_cast<std::size_t>(batch.steps)]);
     last_us_ = batch.times_us[batch.steps];
+    pace_ = pace_of(world_, optics_, views_[0], last_us_);
     count(batch);
   }
 }

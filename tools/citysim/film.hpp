@@ -63,7 +63,8 @@ class Film {
     std::vector<float> spare;
   };
 
-  void begin(std::int64_t t_us, std::vector<Event>& events);
+  void look(std::int64_t t_us);
+  void begin(std::vector<Event>& events);
   [[nodiscard]] Batch plan(std::int64_t t_us) const;
   void render(const Batch& batch);
   void expose(const Batch& batch, Exposure& exposure) const;
@@ -76,6 +77,7 @@ class Film {
   Renderer renderer_;
   Dvs sensor_;
   std::vector<View> views_;  ///< without lens blur; [0] is the last one, whole
+  FilmPace pace_;            ///< at views_[0]
   std::vector<RenderScratch> scratches_;
   std::vector<Exposure> exposures_;
   std::int64_t start_us_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "citysim/motion_field.hpp"
 #include "core/elementary.hpp"
 
 namespace egofocus::citysim {
@@ -40,8 +41,7 @@ FilmPace pace_of(const World& world, const Optics& optics, const View& view, std
           const float x = tile.x[i * Optics::kTileWidth + j];
           const float y = tile.y[i * Optics::kTileWidth + j];
           const float rho = view.inverse_depth[at];
-          const float vx = rho * (x * v[2] - v[0]) + x * y * w[0] - (1 + x * x) * w[1] + y * w[2];
-          const float vy = rho * (y * v[2] - v[1]) + (1 + y * y) * w[0] - x * y * w[1] - x * w[2];
+          const auto [vx, vy] = motion_field(x, y, rho, v, w);
           float square = vx * vx + vy * vy;
           const std::int32_t object = view.object[at];
           if (object >= 0 && world.scene.objects[static_cast<std::size_t>(object)].moves) {

@@ -10,7 +10,7 @@
 
 namespace egofocus::citysim {
 
-/// px/s, from the motion field of the view's own depth (METHOD: geometry) and the movers' velocities.
+/// px/s, from the motion field of the view's own depth and the movers' velocities.
 struct FilmPace {
   std::vector<float> tile;  ///< the fastest of the tile's samples
   double fast = 0;          ///< 99 of 100 samples of the view are slower

@@ -10,8 +10,7 @@ namespace {
 
 constexpr std::int64_t kWarmUpUs = 10000;  // the low pass forgets how it began
 
-constexpr int kTakeWindows = 3;          // filmed in one go
-constexpr double kFullParallax_px = 36;  // of the 40 that the library's ladder spans
+constexpr int kTakeWindows = 3;  // filmed in one go
 
 class Bytes {
  public:

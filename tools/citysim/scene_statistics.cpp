@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "citysim/logarithm.hpp"
+#include "citysim/motion_field.hpp"
 #include "citysim/renderer.hpp"
 #include "citysim/true_ladder.hpp"
 
@@ -27,14 +28,11 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-/// Of what is static at inverse depth `rho` there: the motion field (METHOD: geometry).
+/// Of what is static at inverse depth `rho` there.
 double image_speed_px_s(const Intrinsics& in, const RigidState& camera, int column, int row, double rho) {
   const double x = (column - in.cx_px) / in.fx_px;
   const double y = (row - in.cy_px) / in.fy_px;
-  const Vec3& v = camera.velocity_m_s;
-  const Vec3& w = camera.rate_rad_s;
-  const double vx = rho * (x * v[2] - v[0]) + x * y * w[0] - (1 + x * x) * w[1] + y * w[2];
-  const double vy = rho * (y * v[2] - v[1]) + (1 + y * y) * w[0] - x * y * w[1] - x * w[2];
+  const auto [vx, vy] = motion_field(x, y, rho, camera.velocity_m_s, camera.rate_rad_s);
   return square_root(in.fx_px * in.fx_px * vx * vx + in.fy_px * in.fy_px * vy * vy);
 }
 
@@ -64,7 +62,7 @@ Counts count(const World& world, const Renderer& renderer, double t_s) {
                  [](float light) { return natural_log(std::max(light, 1e-5f)); });
   Counts counts;
   counts.parallax = ladder.has_parallax;
-  counts.full_ladder = ladder.parallax_px > 0.9 * LadderConfig{}.span_px;
+  counts.full_ladder = ladder.parallax_px >= kFullParallax_px;
   std::vector<double> speeds_px_s;
   counts.speed_m_s = square_root(dot(camera.velocity_m_s, camera.velocity_m_s));
   counts.rate_rad_s = square_root(dot(camera.rate_rad_s, camera.rate_rad_s));

@@ -10,6 +10,9 @@ namespace egofocus::citysim {
 
 inline constexpr std::int64_t kLongestWindowUs = 200000;  ///< as the library's
 
+/// A ladder with this much parallax is called full.
+inline constexpr double kFullParallax_px = 0.9 * LadderConfig{}.span_px;
+
 /// Of a window that ends at `end_us`, with the defaults of LadderConfig but for the world's z_near.
 [[nodiscard]] HypothesisLadder true_ladder(const World& world, std::int64_t end_us);
 

@@ -13,8 +13,8 @@ namespace egofocus::training {
 
 struct NetworkInput {
   EnergyGrid cells;
-  std::vector<std::int8_t> focus;    ///< [D][maps][cells]
-  std::vector<std::int8_t> context;  ///< [channels][cells]
+  std::vector<std::uint8_t> focus;    ///< [D][maps][cells]
+  std::vector<std::uint8_t> context;  ///< [channels][cells]
 };
 
 /// FocusInput::run() on planes [ladder.count][height][width]. Thread: the pool's owner. Uses the heap; throws

@@ -54,8 +54,8 @@ FocusInputConfig focus_config_of(const FocusMaps& maps) {
 
 py::tuple arrays_of_input(const NetworkInput& input, std::int32_t hypotheses) {
   const py::ssize_t plane = static_cast<py::ssize_t>(input.cells.size());
-  const auto array = [&](const std::vector<std::int8_t>& values) {
-    return py::array_t<std::int8_t>(static_cast<py::ssize_t>(values.size()), values.data());
+  const auto array = [&](const std::vector<std::uint8_t>& values) {
+    return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(values.size()), values.data());
   };
   const py::ssize_t h = input.cells.height;
   const py::ssize_t w = input.cells.width;

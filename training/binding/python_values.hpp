@@ -36,7 +36,7 @@ inline constexpr std::int64_t kEnd_us = 1'000'000;
 Intrinsics intrinsics_of(const Grid& grid);
 LadderConfig ladder_of(const Ladder& ladder);
 FocusInputConfig focus_config_of(const FocusMaps& maps);
-/// (focus int8 [D, maps, ceil/4, ceil/4], context int8 [channels, ceil/4, ceil/4])
+/// (focus u8 [D, maps, ceil/4, ceil/4], context u8 [channels, ceil/4, ceil/4])
 py::tuple arrays_of_input(const NetworkInput& input, std::int32_t hypotheses);
 /// t_us [n], rising, and velocities and rates [n, 3]; times become those of a window that ends at kEnd_us.
 std::vector<CameraMotion> motion_of(const Array<std::int32_t>& t_us, const Array<float>& velocity_m_s,

@@ -92,6 +92,13 @@ class TrainConfig:
 
 
 @dataclass
+class QuantiseConfig:
+    """The integer model's rounding takes part in the last steps (quantisation.py)."""
+    last_steps: int = 0  # 0: never
+    calibration_batches: int = 24  # that say how far each tensor reaches
+
+
+@dataclass
 class RecordingConfig:
     """A recording that each evaluation also looks at: never trained on, never chosen by. Paths relative to the config file."""
     folder: str = ""
@@ -109,6 +116,7 @@ class Config:
     augment: AugmentConfig = field(default_factory=AugmentConfig)
     loss: LossConfig = field(default_factory=LossConfig)
     train: TrainConfig = field(default_factory=TrainConfig)
+    quantise: QuantiseConfig = field(default_factory=QuantiseConfig)
     recording: RecordingConfig = field(default_factory=RecordingConfig)
 
     def network_facts(self):
@@ -170,6 +178,9 @@ def _check(config, where):
          "[train] workers, threads, ray_cache_mb and warmup_steps are not negative")
     need(t.learning_rate > 0 and t.clip_norm > 0, "[train] learning_rate and clip_norm are positive")
     need(0 <= t.ema < 1, "[train] ema: 0 to below 1")
+    need(0 <= config.quantise.last_steps <= t.steps and config.quantise.calibration_batches > 0,
+         "[quantise] last_steps: 0 to [train] steps; calibration_batches is positive")
+    need(config.quantise.last_steps == 0 or n.order == "focus_first", "[quantise] last_steps: the published order has no integer form")
     need(t.device in ("cpu", "cuda"), "[train] device: cpu or cuda")
 
 

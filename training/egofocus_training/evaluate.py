@@ -16,6 +16,7 @@ from .journal import Progress
 from .machine import keep_freed_memory
 from .metrics import SETS, MeanMetrics, depth_of, enlarge, image_metrics, pixel_sets
 from .model.network import FocusNetwork
+from .quantisation import set_rounding
 from .samples import Shard, split_shards
 from .windows import network_inputs, stack_sample, wanted_arrays
 
@@ -86,6 +87,8 @@ def load_network(path, config):
     checkpoint.require_same_network(path, state, config)
     network = FocusNetwork(config.input, config.network)
     checkpoint.load_weights(network, state.get("average", state["network"]), path)
+    if state["quantised"]:
+        set_rounding(network, True)
     return network.eval().to(memory_format=torch.channels_last)
 
 

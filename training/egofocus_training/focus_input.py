@@ -1,9 +1,8 @@
 """What the network is told of a window: sharpness of each hypothesis, normalised, and a few maps of context. No weights.
 
-The library makes it, in integers (docs/integer_model.md, "The network's input"): `focus` int8 [D, maps, h/4, w/4] and
-`context` int8 [channels, h/4, w/4], both in units of 1/16. Here is what it is asked for.
+The library makes it, in integers (docs/integer_model.md, "The network's input"): `focus` u8 [D, maps, h/4, w/4] and
+`context` u8 [channels, h/4, w/4], bytes 0..127 about 64 in the steps of units.py. Here is what it is asked for.
 """
-UNITS = 16.0  # int8 value per 1.0
 
 
 def context_channels(config):

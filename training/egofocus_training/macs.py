@@ -15,8 +15,8 @@ def example_input(config, width, height, batch=1):
     """Zeros in the shapes of a window of this size."""
     depth = config.input.hypotheses
     h, w = -(-height // 4), -(-width // 4)
-    inputs = {"focus": torch.zeros(batch, depth, len(config.input.maps), h, w, dtype=torch.int8),
-              "context": torch.zeros(batch, context_channels(config.input), h, w, dtype=torch.int8),
+    inputs = {"focus": torch.zeros(batch, depth, len(config.input.maps), h, w, dtype=torch.uint8),
+              "context": torch.zeros(batch, context_channels(config.input), h, w, dtype=torch.uint8),
               "half": torch.zeros(batch, depth, -(-height // 2), -(-width // 2), dtype=torch.uint8),
               "used": torch.full((batch,), depth)}
     if config.network.order == "published":

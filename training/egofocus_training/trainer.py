@@ -11,6 +11,7 @@ from .dataset import WindowDataset, epoch_loader
 from .errors import CONFIGURATION, DIVERGED, TrainingError
 from .losses import loss_terms
 from .model.network import FocusNetwork
+from .quantisation import calibrate, is_quantised, set_rounding
 
 CHECKPOINT = "checkpoint.pt"
 WEIGHTS = "weights.pt"  # the average alone: what is evaluated and shipped
@@ -46,16 +47,19 @@ class Trainer:
         self.step = self.epoch = self.batch = 0
         self.seconds = 0.0  # of training, over all runs
         self.shards = [str(path) for path in find_paths()]
+        last_steps = config.quantise.last_steps
+        self.quantised_from = config.train.steps - last_steps if last_steps else math.inf  # step
 
     def state(self):
         return {"network_facts": self.config.network_facts(), "network": self.network.state_dict(),
                 "average": self.average.network.state_dict(), "optimiser": self.optimiser.state_dict(), "step": self.step,
-                "epoch": self.epoch, "batch": self.batch, "seconds": self.seconds, "shards": self.shards}
+                "quantised": is_quantised(self.network), "epoch": self.epoch, "batch": self.batch, "seconds": self.seconds, "shards": self.shards}
 
     def save(self, folder):
         checkpoint.write(pathlib.Path(folder) / CHECKPOINT, self.state())
         checkpoint.write(pathlib.Path(folder) / WEIGHTS,
                          {"network_facts": self.config.network_facts(), "step": self.step,
+                          "quantised": is_quantised(self.average.network),
                           "network": self.average.network.state_dict()})
 
     def resume(self, path):
@@ -64,6 +68,9 @@ class Trainer:
         checkpoint.load_weights(self.network, state["network"], path)
         checkpoint.load_weights(self.average.network, state["average"], path)
         self.optimiser.load_state_dict(state["optimiser"])
+        if state["quantised"]:
+            set_rounding(self.network, True)
+            set_rounding(self.average.network, True)
         self.step, self.epoch, self.batch = state["step"], state["epoch"], state["batch"]
         self.seconds, self.shards = state["seconds"], state["shards"]
 
@@ -90,6 +97,20 @@ class Trainer:
         self.batch += 1
         return {name: float(term) for name, term in terms.items()} | {"loss": float(loss)}
 
+    def quantise(self, dataset):
+        """From here on the average is trained, with the integer model's rounding in it."""
+        batches = []
+        for inputs in epoch_loader(dataset, 0, 0):
+            if isinstance(inputs, TrainingError):
+                raise inputs
+            batches.append({name: tensor.to(self.device) for name, tensor in inputs.items()})
+            if len(batches) == self.config.quantise.calibration_batches:
+                break
+        calibrate(self.average.network, batches)
+        self.network.load_state_dict(self.average.network.state_dict())
+        set_rounding(self.network, True)
+        set_rounding(self.average.network, True)
+
     def run(self, until, after_step):
         """Trains until this step; after_step(terms) after each, which may stop by returning True."""
         self.network.train()
@@ -99,6 +120,8 @@ class Trainer:
             batches = len(dataset) // self.config.train.batch
             if batches == 0:
                 raise TrainingError(CONFIGURATION, "[train] batch", f"{len(dataset)} samples do not fill one batch.")
+            if not is_quantised(self.network) and self.quantised_from <= self.step:
+                self.quantise(dataset)
             last = time.monotonic()
             for batch in epoch_loader(dataset, self.epoch, self.batch):
                 if isinstance(batch, TrainingError):
@@ -108,7 +131,7 @@ class Trainer:
                 self.seconds += now - last
                 last = now
                 stopped = after_step(terms)
-                if stopped or self.step >= until:
+                if stopped or self.step >= until or self.step == self.quantised_from:
                     break
             if self.batch >= batches:
                 self.epoch, self.batch = self.epoch + 1, 0

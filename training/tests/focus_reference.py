@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from egofocus_training.focus_input import UNITS, parse_maps, thousandths
+from egofocus_training.focus_input import parse_maps, thousandths
+from egofocus_training.units import CONTEXT, FOCUS
 
 _MAPS = {"gradient": (0, 1), "gradient_x": (0,), "gradient_y": (1,), "squares": (2,)}
 
@@ -63,8 +64,12 @@ def log2_q8(values):
     return (width - 1) * 256 + _LOG2[mantissa - 256]
 
 
-def log_units(above, below):
-    return np.minimum((log2_q8(above) - log2_q8(below) + 32) >> 6, 127)
+def log_steps(above, below):
+    return (log2_q8(above) - log2_q8(below) + 16) >> 5
+
+
+def as_bytes(steps):
+    return np.clip(64 + steps, 0, 127).astype(np.uint8)
 
 
 def support_constants(side, floor_events_milli):
@@ -83,7 +88,7 @@ def support_constants(side, floor_events_milli):
 
 
 def integer_sharpness(energy, counts, side, floor_events_milli, floor_noise_milli):
-    """(z [K, h, w], contrast [h, w]) in units."""
+    """(z [K, h, w], contrast [h, w]) in steps."""
     k = len(counts)
     a, b, floor, c, noise, g = support_constants(side, floor_events_milli)
     reciprocal = 2 ** c // (counts * 2 ** b + floor)
@@ -99,8 +104,8 @@ def integer_sharpness(energy, counts, side, floor_events_milli, floor_noise_mill
     e = np.maximum(16 - bit_width(divisor), 0)
     gain = np.minimum(2 ** 31 // (divisor << e), 65535)
     limited = np.minimum(u, np.minimum(divisor >> 2, 8191)) << e
-    units = np.minimum(((limited * gain >> 16) + 32) >> 6, 127)
-    return np.where(ratio < mean, -units, units), log_units((sd << h) + q, q)
+    steps = ((limited * gain >> 16) + 64) >> 7
+    return np.where(ratio < mean, -steps, steps), log_steps((sd << h) + q, q)
 
 
 def displacement_px(facts):
@@ -119,16 +124,17 @@ def integer_input(cells, facts, config, depth):
     maps = parse_maps(config.maps)
     counts = {side: support(cells[3], side) for side in {1, 7, *(side for _, side in maps)}}
     focus = np.zeros((depth, len(maps), h, w), np.int64)
-    context = [log_units(used * side ** 4 + counts[side].sum(axis=0), np.int64(used * side ** 4)) for side in (1, 7)]
+    context = [log_steps(used * side ** 4 + counts[side].sum(axis=0), np.int64(used * side ** 4)) for side in (1, 7)]
     for m, (name, side) in enumerate(maps):
         focus[:used, m], contrast = integer_sharpness(supported(cells, name, side), counts[side], side, *milli)
         context.append(contrast)
-    q8 = [np.sign(px) * np.floor(np.minimum(np.abs(px) * 256, 32767) + 0.5) for px in displacement_px(facts)]
+    shifts = [np.nan_to_num(px, nan=0.0) for px in displacement_px(facts)]
+    q8 = [np.sign(px) * np.floor(np.minimum(np.abs(px) * 256, 32767) + 0.5) for px in shifts]
     dx, dy = np.broadcast_arrays(q8[0].astype(np.int64)[None, :], q8[1].astype(np.int64)[:, None])
     for value in (dx, dy, floor_root(dx * dx + dy * dy)):
-        context.append(np.sign(value) * np.minimum((np.abs(value) + 8) >> 4, 127))
-    context.append(np.full((h, w), (32 * used + depth) // (2 * depth)))
-    return focus.astype(np.int8), np.stack(context).astype(np.int8)
+        context.append(np.sign(value) * ((np.abs(value) + 4) >> 3))
+    context.append(np.full((h, w), (64 * used + depth) // (2 * depth)))
+    return as_bytes(focus), as_bytes(np.stack(context))
 
 
 # --- floats --------------------------------------------------------------------------------------------------------
@@ -146,7 +152,7 @@ def float_sharpness(energy, counts, side, config):
 
 
 def float_input(cells, facts, config, depth):
-    """As integer_input(), in units, neither rounded nor saturated."""
+    """What the bytes of integer_input() mean, in steps from 64, neither rounded nor saturated."""
     used, (h, w) = cells.shape[1], cells.shape[2:]
     maps = parse_maps(config.maps)
     focus = np.zeros((depth, len(maps), h, w))
@@ -156,4 +162,4 @@ def float_input(cells, facts, config, depth):
         context.append(contrast)
     dx, dy = np.broadcast_arrays(displacement_px(facts)[0][None, :], displacement_px(facts)[1][:, None])
     context += [dx, dy, np.hypot(dx, dy), np.full((h, w), used / depth)]
-    return UNITS * focus, UNITS * np.stack(context)
+    return focus / FOCUS, np.stack(context) / CONTEXT

@@ -13,6 +13,7 @@ from egofocus_training.focus_input import context_channels
 from egofocus_training.library import stack
 from egofocus_training.samples import parse_sample
 from egofocus_training.targets import coarse_index, histogram, index_of
+from egofocus_training.units import ZERO
 from egofocus_training.windows import network_inputs, stack_sample, training_targets, wanted_arrays
 
 # 16 px at 1 m: 16 of span reach z_near = 1 m with hypothesis 15.
@@ -52,8 +53,8 @@ def test_hypotheses_that_the_ladder_left_out_are_zero():
     facts = stack_sample(sample_of(4.0, z_near_m=3.0), CONFIG, wanted_arrays(published=False))
     assert facts["hypotheses"] == 8
     focus, context = facts["focus"], facts["context"]
-    assert not focus[8:].any() and focus[:8].any() and not facts["half"][8:].any()
-    assert np.all(context[-1] == 8)  # K / D = 1/2 in units of 1/16
+    assert np.all(focus[8:] == ZERO) and np.any(focus[:8] != ZERO) and not facts["half"][8:].any()
+    assert np.all(context[-1] == ZERO + 16)  # K / D = 1/2 in steps of 1/32
 
 
 @pytest.mark.parametrize("flip, axis", [(flip_horizontal, 2), (flip_vertical, 1)])

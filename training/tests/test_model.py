@@ -155,7 +155,7 @@ def test_every_operator_has_an_integer_form():
     for order in ("focus_first", "published"):
         network = FocusNetwork(InputConfig(), NetworkConfig(order=order, ihca_blocks=1))
         leaves = {type(m).__name__ for m in network.modules() if not list(m.children())}
-        assert leaves <= {"Conv2d", "BatchNorm2d", "ReLU", "Sequential"}  # Sequential: an empty one
+        assert leaves <= {"Conv2d", "Conv", "BatchNorm2d", "ReLU", "Bytes", "Sequential"}  # Sequential: an empty one
 
 
 def test_cost_of_a_layer_and_the_budgets():

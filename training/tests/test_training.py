@@ -13,7 +13,10 @@ from egofocus_training import checkpoint
 from egofocus_training.config import load_config, parse_config
 from egofocus_training.errors import BAD_FILE, CONFIGURATION, DIVERGED, FILE, TrainingError
 from egofocus_training.dataset import WindowDataset
+from egofocus_training.evaluate import load_network
+from egofocus_training.integer_model import IntegerModel
 from egofocus_training.overfit import overfit
+from egofocus_training.quantisation import is_quantised
 from egofocus_training.samples import find_shards
 from egofocus_training.trainer import Trainer, learning_rate
 
@@ -85,6 +88,24 @@ def test_six_steps_are_three_and_three(folder, tmp_path):
         assert torch.equal(tensor, second.network.state_dict()[name]), name
     for name, tensor in whole.average.network.state_dict().items():
         assert torch.equal(tensor, second.average.network.state_dict()[name]), name
+
+
+@pytest.mark.parametrize("stop", [2, 4, 5])  # before, at and after the step where rounding begins
+def test_rounding_takes_part_in_the_last_steps_wherever_a_run_is_stopped(folder, tmp_path, stop):
+    train = "[quantise]\nlast_steps = 2\ncalibration_batches = 2"
+    whole, terms = trained(configured(folder, train=train), 6)
+    assert is_quantised(whole.network) and is_quantised(whole.average.network)
+    first, _ = trained(configured(folder, train=train), stop)
+    assert is_quantised(first.network) == (stop > 4)
+    first.save(tmp_path)
+    second, rest = trained(configured(folder, train=train), 6, tmp_path / "checkpoint.pt")
+    assert rest == terms[stop:]
+    for name, tensor in whole.average.network.state_dict().items():
+        assert torch.equal(tensor, second.average.network.state_dict()[name]), name
+    second.save(tmp_path)
+    network = load_network(tmp_path / "weights.pt", second.config)
+    assert is_quantised(network)
+    IntegerModel(network)
 
 
 def test_order_is_a_permutation_that_the_seed_decides(folder):
@@ -176,6 +197,8 @@ def test_too_little_disk(tmp_path, monkeypatch):
     ("[input]\nfloor_noise = nan", "floor_noise: 0.1 to 8 in whole thousandths"),
     ("[augment]\ncrop = [100, 208]", "multiples of 16"),
     ("[data]\nfamilies = ['town9']", "no family is called town9"),
+    ("[quantise]\nlast_steps = 20000", "last_steps: 0 to [train] steps"),
+    ("[network]\norder = 'published'\n[quantise]\nlast_steps = 2", "no integer form"),
     ("steps", "is not TOML"),
 ])
 def test_wrong_configs(text, words):

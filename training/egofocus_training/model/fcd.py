@@ -12,7 +12,8 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from .layers import ConvBnRelu, per_hypothesis
+from .bytes import ConvBnRelu
+from .layers import per_hypothesis
 
 _X = [[0, 0, 0], [-0.5, 0, 0.5], [0, 0, 0]]
 _Y = [[0, -0.5, 0], [0, 0, 0], [0, 0.5, 0]]

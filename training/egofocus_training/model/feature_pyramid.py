@@ -4,7 +4,8 @@
 """
 from torch import nn
 
-from .layers import Bottleneck, ConvBnRelu, twice_as_large
+from .bytes import ConvBnRelu
+from .layers import Bottleneck, twice_as_large
 
 
 class FeaturePyramid(nn.Module):

@@ -9,7 +9,8 @@ from torch.nn import functional
 
 import torch
 
-from .layers import ConvBnRelu, neighbours, per_hypothesis
+from .bytes import Bytes, ConvBnRelu
+from .layers import neighbours, per_hypothesis
 
 
 class InterHypothesisBlock(nn.Module):
@@ -18,8 +19,9 @@ class InterHypothesisBlock(nn.Module):
     def __init__(self, channels):
         super().__init__()
         self.filter = ConvBnRelu(3 * channels, channels, relu=False)
+        self.sum = Bytes()
 
     def forward(self, cost):
         stacked = torch.cat([cost, *neighbours(cost)], 2)
         change = self.filter(per_hypothesis(stacked)).reshape(cost.shape)
-        return functional.relu(cost + change)
+        return self.sum(functional.relu(cost + change))

@@ -3,14 +3,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-
-class ConvBnRelu(nn.Sequential):
-    """relu(bn(conv(x))): one integer convolution with a clamp once folded. Padding keeps the size (stride 1)."""
-
-    def __init__(self, inputs, outputs, kernel=3, stride=1, dilation=1, groups=1, relu=True):
-        layers = [nn.Conv2d(inputs, outputs, kernel, stride, dilation * (kernel // 2), dilation, groups, bias=False),
-                  nn.BatchNorm2d(outputs)]
-        super().__init__(*layers, *([nn.ReLU(inplace=True)] if relu else []))
+from .bytes import Bytes, ConvBnRelu
 
 
 class Residual(nn.Module):
@@ -20,9 +13,10 @@ class Residual(nn.Module):
         super().__init__()
         self.first = ConvBnRelu(channels, channels, dilation=dilation)
         self.second = ConvBnRelu(channels, channels, dilation=dilation, relu=False)
+        self.sum = Bytes()
 
     def forward(self, x):
-        return functional.relu(x + self.second(self.first(x)), inplace=True)
+        return self.sum(functional.relu(x + self.second(self.first(x)), inplace=True))
 
 
 class Bottleneck(nn.Module):
@@ -36,6 +30,18 @@ class Bottleneck(nn.Module):
 
     def forward(self, x):
         return functional.relu(x + self.body(x), inplace=True)
+
+
+class UpSum(nn.Module):
+    """relu(x + up(y)): both in the scale of x, rounded once after the sum, halves upwards."""
+
+    def __init__(self):
+        super().__init__()
+        self.small = Bytes(low=-128)
+        self.sum = Bytes(half_up=True)
+
+    def forward(self, x, y):
+        return self.sum(functional.relu(x + twice_as_large(self.small(y), x), inplace=True))
 
 
 def twice_as_large(x, like):

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 import torch
 from torch import nn
 
-from ..focus_input import UNITS, context_channels
+from ..focus_input import context_channels
+from ..units import CONTEXT, FOCUS, ZERO
 from .aggregation import CrossScaleAggregation
 from .fcd import FeatureFocusCost, FocusCost
 from .feature_pyramid import FeaturePyramid
@@ -26,12 +27,12 @@ class Prediction:
 
 
 class FocusNetwork(nn.Module):
-    """Inputs, a dict of tensors: focus int8 [B, D, maps, h/4, w/4], context int8 [B, n, h/4, w/4], half u8 [B, D, h/2, w/2],
+    """Inputs, a dict of tensors: focus u8 [B, D, maps, h/4, w/4], context u8 [B, n, h/4, w/4], half u8 [B, D, h/2, w/2],
     used int64 [B]: hypotheses of the ladder; published order: counts u8 [B, D, h, w] in place of focus."""
 
     def __init__(self, input_config, config):
         super().__init__()
-        depth = input_config.hypotheses
+        self.hypotheses = depth = input_config.hypotheses
         self.published = config.order == "published"
         self.window = config.regression_window
         if self.published:
@@ -46,12 +47,12 @@ class FocusNetwork(nn.Module):
         self.refinement = Refinement(depth, config.widths[0], config.refine_width, config.refine_dilations)
 
     def forward(self, inputs):
-        context = inputs["context"].float() / UNITS
+        context = (inputs["context"].float() - ZERO) * CONTEXT
         if self.published:
             stack = inputs["counts"].float().clamp(max=15) * _STACK_SCALE
             cost = self.fcd(self.features(stack))
         else:
-            cost = self.fcd(inputs["focus"].float() / UNITS)
+            cost = self.fcd((inputs["focus"].float() - ZERO) * FOCUS)
         cost = self.ihca(cost)
         scores, coarse, features = self.aggregation(cost, context)
         p = self.regression(scores, inputs["used"])
@@ -60,3 +61,12 @@ class FocusNetwork(nn.Module):
         with torch.no_grad():
             trust = confidence(p, index_4, context[:, -2])
         return Prediction(scores, coarse, index_4, index, trust)
+
+    def one_scale(self):
+        """Lists of Bytes that share a scale."""
+        costs = [[self.fcd.filter[-1][-1], *(block.sum for block in self.ihca)]] if len(self.ihca) else []
+        return costs + self.aggregation.one_scale() + self.refinement.one_scale()
+
+    def cost_scale(self):
+        """Of the bytes of C."""
+        return (self.ihca[-1].sum if len(self.ihca) else self.fcd.filter[-1][-1]).scale

@@ -1,27 +1,30 @@
 """Refinement at 1/2: borders, from the image of warped events that the prediction brings into focus.
 
-    i_2 = up(i_4);  x = [i_2 / D, I_k for k = round(i_2) - 1, 0, +1, guide];  i = clamp(i_2 + r(x), 0, K - 1)
+    i_2 = up(i_4);  x = [i_2 / D, I_k for k = floor(i_2 + 1/2) - 1, 0, +1, guide];  i = clamp(i_2 + r(x), 0, K - 1)
 
-r: 3x3 convolutions with dilations. I: counts over 2x2 px, compressed as min(n, 15) / 4. guide: up(conv b_4).
+r: 3x3 convolutions with dilations. I: counts over 2x2 px, compressed as min(n, 15) / 4. guide: up(relu(conv b_4)).
 """
 import torch
 from torch import nn
 
-from .layers import ConvBnRelu, Residual, twice_as_large
+from .bytes import Bytes, Conv, ConvBnRelu
+from .layers import twice_as_large
 
 _GUIDE = 4
+COUNT = 1 / 4  # unit of the counts
+STEP = 1 / 256  # unit of indices, in hypotheses
 _MOST_COUNTS = 15.0
 
 
 def gather_focused(half, index):
-    """Counts [B, D, h, w] u8 at round(index) - 1, 0, +1 (0 outside the ladder): [B, 3, h, w] in 0..15/4."""
+    """Counts [B, D, h, w] u8 at floor(index + 1/2) - 1, 0, +1 (0 outside the ladder): [B, 3, h, w] in 0..15/4."""
     depth = half.shape[1]
-    nearest = index.detach().round().long()
+    nearest = (index.detach() + 0.5).floor().long()
     planes = []
     for offset in (-1, 0, 1):
         k = nearest + offset
         plane = half.gather(1, k.clamp(0, depth - 1)[:, None])[:, 0].to(index.dtype)
-        planes.append(plane.clamp(max=_MOST_COUNTS) / 4 * ((k >= 0) & (k < depth)))
+        planes.append(plane.clamp(max=_MOST_COUNTS) * COUNT * ((k >= 0) & (k < depth)))
     return torch.stack(planes, 1)
 
 
@@ -31,16 +34,24 @@ class Refinement(nn.Module):
     def __init__(self, hypotheses, features, width, dilations):
         super().__init__()
         self.hypotheses = hypotheses
-        self.guide = nn.Conv2d(features, _GUIDE, 1)
-        self.first = ConvBnRelu(1 + 3 + _GUIDE, width)
+        self.start = Bytes(0, 65535, half_up=True, scale=STEP)
+        self.place = Bytes(half_up=True, scale=0.5)
+        self.guide = ConvBnRelu(features, _GUIDE, 1)
+        self.large_guide = Bytes(half_up=True)
+        self.first = ConvBnRelu(1 + 3 + _GUIDE, width, mixed=True)
         self.body = nn.Sequential(*(ConvBnRelu(width, width, dilation=d) for d in dilations))
-        self.last = nn.Conv2d(width, 1, 3, padding=1)
+        self.last = Conv(width, 1, 3, padding=1)
+        self.change = Bytes(-32768, 32767, scale=STEP)
         nn.init.zeros_(self.last.weight)
         nn.init.zeros_(self.last.bias)
 
     def forward(self, index, half, features, used):
-        start = twice_as_large(index[:, None], half)
-        guide = twice_as_large(self.guide(features), half)
-        x = torch.cat([start / self.hypotheses, gather_focused(half, start[:, 0]), guide], 1)
-        refined = start + self.last(self.body(self.first(x))).float()
+        start = self.start(twice_as_large(index[:, None], half))
+        guide = self.large_guide(twice_as_large(self.guide(features), half))
+        x = torch.cat([self.place(start) / self.hypotheses, gather_focused(half, start[:, 0]), guide], 1)
+        refined = start + self.change(self.last(self.body(self.first(x))).float())
         return torch.minimum(refined[:, 0].clamp(min=0), (used - 1)[:, None, None].to(refined.dtype))
+
+    def one_scale(self):
+        """Lists of Bytes that share a scale."""
+        return [[self.guide[-1], self.large_guide]]

@@ -26,7 +26,7 @@ def expected_index(p, window=0):
 
 def confidence(p, index, step_px):
     """[B, h, w] in 0..1. step_px [B, h, w]: what one hypothesis moves."""
-    nearest = index.round().long().clamp(0, p.shape[1] - 1)
+    nearest = (index + 0.5).floor().long().clamp(0, p.shape[1] - 1)
     mass = sum(p.gather(1, (nearest + d).clamp(0, p.shape[1] - 1)[:, None])[:, 0] * ((nearest + d >= 0) & (nearest + d < p.shape[1]))
                for d in (-1, 0, 1))
     moved = index * step_px

@@ -1,0 +1,157 @@
+"""The integer model against the quantised network it was made of, and its rules by hand."""
+import numpy as np
+import pytest
+import torch
+
+from egofocus_training import integer_model
+from egofocus_training.config import parse_config
+from egofocus_training.errors import TrainingError
+from egofocus_training.focus_input import context_channels
+from egofocus_training.integer_model import IntegerConv, IntegerModel
+from egofocus_training.model.bytes import Bytes, rounded_weights
+from egofocus_training.model.layers import twice_as_large
+from egofocus_training.model.network import FocusNetwork
+from egofocus_training.quantisation import calibrate, is_quantised, set_rounding
+from egofocus_training.units import ZERO
+
+CONFIG = """
+[input]
+hypotheses = 16
+maps = ["gradient:3", "squares:7"]
+[network]
+widths = [16, 24, 32]
+blocks = [1, 1, 1]
+up_blocks = [1, 1]
+refine_width = 8
+refine_dilations = [1, 2]
+"""
+
+
+def random_inputs(config, seed, height=36, width=52):
+    random = np.random.default_rng(seed)
+    h, w = -(-height // 4), -(-width // 4)
+
+    def about_zero(*shape):
+        return np.clip(np.rint(random.normal(ZERO, 12, shape)), 0, 127).astype(np.uint8)
+
+    context = about_zero(context_channels(config.input), h, w)
+    context[-2] = np.maximum(context[-2], ZERO)  # a length
+    return {"focus": about_zero(config.input.hypotheses, len(config.input.maps), h, w), "context": context,
+            "half": random.poisson(1.5, (config.input.hypotheses, -(-height // 2), -(-width // 2))).astype(np.uint8),
+            "used": np.int64(13)}
+
+
+def as_batch(inputs):
+    return {name: torch.as_tensor(value)[None] for name, value in inputs.items()}
+
+
+@pytest.fixture(scope="module")
+def quantised():
+    """A network that has seen something, with every weight away from its start."""
+    torch.manual_seed(3)
+    config = parse_config(CONFIG, "test")
+    network = FocusNetwork(config.input, config.network)
+    for parameter in network.parameters():
+        torch.nn.init.normal_(parameter, 0.1 if parameter.ndim == 1 else 0.0, 0.1)
+    network.train()
+    for seed in range(4):
+        network(as_batch(random_inputs(config, seed)))  # batch norm's statistics
+    calibrate(network, [as_batch(random_inputs(config, seed)) for seed in range(4)])
+    network.eval()
+    set_rounding(network, True)
+    return config, network
+
+
+def test_the_integers_are_the_quantised_networks_numbers(quantised):
+    config, network = quantised
+    seen = {}
+    for name, module in network.named_modules():
+        if isinstance(module, Bytes):
+            module.register_forward_hook(lambda m, _, out, name=name: seen.__setitem__(name, out[0] / m.scale))
+    model = IntegerModel(network)
+    worst = 0
+    changed = {}  # share of each tensor that some tie rounded the other way
+    for seed in range(10, 14):
+        inputs = random_inputs(config, seed)
+        with torch.no_grad():
+            prediction = network(as_batch(inputs))
+        out = model(**inputs)
+        for name, theirs in (("a4", "aggregation.at_4.0.sum"), ("a16", "aggregation.at_16.1.sum"), ("b4", "aggregation.up_4.0.sum"),
+                             ("refined", "refinement.body.1.3")):
+            difference = np.abs(seen[theirs].numpy() - out[name])
+            assert out[name].max() > 60, name  # the range is used
+            assert difference.max() < 2.01, name
+            changed.setdefault(name, []).append(np.mean(difference > 0.01))
+        off = np.abs(prediction.index[0].numpy() * 256 - out["index"])
+        worst = max(worst, np.quantile(off, 0.99))
+        assert np.median(off) <= 1.0
+        trust = np.abs(prediction.confidence[0].numpy() * 255 - out["confidence"])
+        assert np.quantile(trust, 0.99) < 3
+        assert out["index"].max() <= 256 * 12 and out["index"].dtype == np.uint16
+    assert worst < 26  # a tenth of a hypothesis
+    assert max(np.mean(shares) for shares in changed.values()) < 0.01, changed
+
+
+def test_quantisation_changes_little(quantised):
+    config, network = quantised
+    inputs = as_batch(random_inputs(config, 20))
+    with torch.no_grad():
+        rounded = network(inputs).scores
+        set_rounding(network, False)
+        exact = network(inputs).scores
+        set_rounding(network, True)
+    assert not torch.equal(exact, rounded)
+    assert (exact - rounded).abs().mean() < 0.1 * exact.std()
+
+
+def test_a_convolution_by_hand():
+    conv = IntegerConv(np.array([[[[1, 2, 3], [4, 5, 6], [7, 8, -9]]]], np.int8), np.array([10], np.int32),
+                       np.array([0.5], np.float32), zero=ZERO)
+    x = np.full((1, 2, 3), ZERO)
+    x[0, 0, 0] += 3  # padding is 0.0, not byte 0
+    assert conv.sums(x)[0].tolist() == [[3 * 5 + 10, 3 * 4 + 10, 10], [3 * 2 + 10, 3 * 1 + 10, 10]]
+    # halves go to the even neighbour: 12.5 -> 12, 11, 5, 8, 6.5 -> 6, 5
+    assert conv.requantised(x)[0].tolist() == [[12, 11, 5], [8, 6, 5]]
+    wide = IntegerConv(np.array([[[[127]]]], np.int8), np.array([0], np.int32), np.array([0.9], np.float32))
+    assert wide.relu(np.array([[[127, 0]]]))[0].tolist() == [[127, 0]]
+    strided = IntegerConv(np.ones((1, 1, 3, 3), np.int8), np.array([0], np.int32), np.array([0.5], np.float32), stride=2)
+    assert strided.sums(np.ones((1, 5, 4)))[0].tolist() == [[4, 6], [6, 9], [4, 6]]
+
+
+def test_up_sampling_is_the_float_one_before_rounding():
+    x = torch.arange(12.0).reshape(1, 1, 3, 4) ** 2
+    large = twice_as_large(x, torch.zeros(1, 1, 5, 7))[0, 0]
+    assert np.array_equal(integer_model.twice_as_large(x[0].numpy().astype(int), 5, 7)[0], (large * 16).numpy())
+
+
+def test_regression_by_hand():
+    scores = np.array([0, 32, 64, 1000]).reshape(4, 1, 1)  # the fourth is no hypothesis of this ladder
+    index, trust = IntegerModel._regression(scores, 3, np.full((1, 1), ZERO + 32))
+    p = np.exp([0.0, 1.0, 2.0])
+    mean = (p * [0, 1, 2]).sum() / p.sum()
+    assert abs(index[0, 0] - 256 * mean) <= 0.51
+    moved = mean * 1.0  # 32 bytes above zero: 1 px a hypothesis
+    near = p[1:].sum() / p.sum()  # hypotheses 1, 2 and no third
+    assert abs(trust[0, 0] - 255 * near * moved / (moved + 1)) <= 1.1
+    assert IntegerModel._regression(scores, 3, np.full((1, 1), ZERO))[1][0, 0] == 0
+
+
+def test_weights_round_to_int8_with_a_scale_for_each_output():
+    weight = torch.tensor([[1.0, -0.5], [0.02, 0.0]]).reshape(2, 2, 1, 1)
+    rounded, scale = rounded_weights(weight)
+    assert scale.tolist() == pytest.approx([1 / 127, 0.02 / 127])
+    assert (rounded[:, :, 0, 0] / scale[:, None]).round().tolist() == [[127, -64], [127, 0]]
+    columns = torch.tensor([1.0, 4.0])
+    rounded, scale = rounded_weights(weight, columns)
+    assert scale.tolist() == pytest.approx([2 / 127, 0.02 / 127])
+    assert (rounded * columns.reshape(1, 2, 1, 1) / scale.reshape(2, 1, 1, 1)).round().flatten().tolist() == [64, -127, 127, 0]
+
+
+def test_what_has_no_integer_form_is_refused(quantised):
+    config = parse_config(CONFIG + "order = 'published'\nstem = 8\n", "test")
+    network = FocusNetwork(config.input, config.network)
+    with pytest.raises(TrainingError, match="no integer form"):
+        calibrate(network, [])
+    with pytest.raises(ValueError):
+        IntegerModel(FocusNetwork(quantised[0].input, quantised[0].network))
+    assert is_quantised(quantised[1]) and not is_quantised(network)
