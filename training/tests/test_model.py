@@ -171,4 +171,4 @@ def test_cost_of_a_layer_and_the_budgets():
         assert total["macs"] > 0.8 * macs, name  # what is not spent is not used
     rows = {r["layer"]: r for r in layer_table(load_config(configs / "base.toml"), 346, 260)}
     first = rows["fcd.filter.0.0"]
-    assert first["macs"] == 48 * 65 * 87 * 5 * 9 * 8 and first["weight_bytes"] == 5 * 9 * 8 + 8 * 8
+    assert first["macs"] == 32 * 65 * 87 * 5 * 9 * 8 and first["weight_bytes"] == 5 * 9 * 8 + 8 * 8
