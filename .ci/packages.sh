@@ -46,6 +46,7 @@ pybind11-dev /usr/include/pybind11/pybind11.h,/usr/local/include/pybind11/pybind
 python3-dev /usr/include/python3*/Python.h
 python3-torch /usr/lib/python3/dist-packages/torch/__init__.py
 python3-pil /usr/lib/python3/dist-packages/PIL/__init__.py
+python3-onnx /usr/lib/python3/dist-packages/onnx/__init__.py
 python3-pytest /usr/lib/python3/dist-packages/pytest/__init__.py
 ROWS
       ;;

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .errors import DIVERGED, TrainingError
 from .model.aggregation import SCORE
 from .model.bytes import rounded_weights
 from .model.refinement import STEP
@@ -177,16 +178,19 @@ def _conv(layer, scale_in, scale_out, zero=0):
     """Of a Conv or ConvBnRelu: scale_in is what one unit of its first input channel is worth."""
     weight, bias = layer.folded()
     columns = getattr(layer, "columns", None)
-    rounded, scale = rounded_weights(weight, columns)
+    _, scale = rounded_weights(weight, columns)
     if columns is not None:
-        rounded = rounded * columns.reshape(1, -1, 1, 1)
-    scale = scale.detach().double().numpy()
-    integers = np.rint(rounded.detach().double().numpy() / scale[:, None, None, None]).astype(np.int8)
+        weight = weight * columns.reshape(1, -1, 1, 1)
+    weight, scale = weight.detach().double().numpy(), scale.detach().double().numpy()
     bias = np.zeros(len(scale)) if bias is None else bias.detach().double().numpy()
+    # Channels that died in training have weights so small that neither bias nor factor would fit their scale.
+    scale = np.maximum(scale, np.maximum(np.abs(bias) / (scale_in * 2.0 ** 30), 2.0 ** -39 * scale_out / scale_in))
+    integers = np.clip(np.rint(weight / scale[:, None, None, None]), -127, 127).astype(np.int8)
     conv = layer if hasattr(layer, "stride") else layer[0]
     factor = (scale * scale_in / scale_out).astype(np.float32)
     if not np.all((factor >= 2.0 ** -40) & (factor < 1)):
-        raise ValueError("a scale outside 2^-40 to 1: this network cannot be requantised")
+        raise TrainingError(DIVERGED, f"layer of {conv.in_channels} to {conv.out_channels} channels",
+                            "has a scale outside 2^-40 to 1: its sums cannot be requantised.")
     return IntegerConv(integers, np.rint(bias / (scale * scale_in)).astype(np.int32), factor, conv.stride[0], conv.dilation[0],
                        zero)
 

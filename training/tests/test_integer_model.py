@@ -147,6 +147,21 @@ def test_weights_round_to_int8_with_a_scale_for_each_output():
     assert (rounded * columns.reshape(1, 2, 1, 1) / scale.reshape(2, 1, 1, 1)).round().flatten().tolist() == [64, -127, 127, 0]
 
 
+def test_a_channel_that_died_keeps_its_bias(quantised):
+    config, _ = quantised
+    torch.manual_seed(4)
+    network = FocusNetwork(config.input, config.network)  # head and last begin at zero
+    with torch.no_grad():
+        network.aggregation.head.bias[5] = 3.0
+        network.aggregation.head.weight[5] = 1e-30
+    calibrate(network, [as_batch(random_inputs(config, 1))])
+    set_rounding(network, True)
+    model = IntegerModel(network)
+    assert np.abs(model.head.weight[5]).max() == 0
+    x = np.full((16, 1, 1), 100)
+    assert model.head.requantised(x)[:, 0, 0].tolist() == [96 if o == 5 else 0 for o in range(16)]  # 3.0 in 32nds
+
+
 def test_what_has_no_integer_form_is_refused(quantised):
     config = parse_config(CONFIG + "order = 'published'\nstem = 8\n", "test")
     network = FocusNetwork(config.input, config.network)
