@@ -11,7 +11,7 @@ from . import errors
 from .config import load_config
 from .evaluate import evaluate, spread_over
 from .journal import Journal, Progress, draw_curves
-from .machine import keep_freed_memory
+from .machine import keep_freed_memory, only_run
 from .recordings import evaluate_recording
 from .samples import split_shards
 from .trainer import CHECKPOINT, Trainer
@@ -31,6 +31,7 @@ class Run:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise errors.TrainingError(errors.FILE, out, f"cannot be made ({error.strerror}).") from None
+        self.lock = only_run(self.out)
         exists = (self.out / CHECKPOINT).exists()
         if exists and not resume:
             raise errors.TrainingError(errors.USAGE, out, "holds a training already: go on with --resume, or name another.")

@@ -11,10 +11,11 @@ import torch
 
 from egofocus_training import checkpoint
 from egofocus_training.config import load_config, parse_config
-from egofocus_training.errors import BAD_FILE, CONFIGURATION, DIVERGED, FILE, TrainingError
+from egofocus_training.errors import BAD_FILE, CONFIGURATION, DIVERGED, FILE, USAGE, TrainingError
 from egofocus_training.dataset import WindowDataset
 from egofocus_training.evaluate import load_network
 from egofocus_training.integer_model import IntegerModel
+from egofocus_training.machine import only_run
 from egofocus_training.overfit import overfit
 from egofocus_training.quantisation import is_quantised
 from egofocus_training.samples import find_shards
@@ -173,6 +174,21 @@ def test_checkpoints_that_are_none_or_another_networks(folder, tmp_path):
     torch.save({"a": 1}, tmp_path / "alien.pt")
     assert refusal(lambda: checkpoint.read(tmp_path / "alien.pt"))[0] == BAD_FILE
     assert refusal(lambda: checkpoint.read(tmp_path / "none.pt"))[0] == FILE
+
+
+def test_two_processes_do_not_train_in_one_folder(tmp_path):
+    first = subprocess.Popen([sys.executable, "-c", "import pathlib, sys, time; from egofocus_training.machine import only_run; "
+                              "lock = only_run(pathlib.Path(sys.argv[1])); print('mine', flush=True); time.sleep(60)", str(tmp_path)],
+                             stdout=subprocess.PIPE, text=True)
+    try:
+        assert first.stdout.readline() == "mine\n"
+        code, message = refusal(lambda: only_run(tmp_path))
+        assert code == USAGE and "another process trains there" in message
+    finally:
+        first.kill()
+        first.wait()
+    only_run(tmp_path).close()
+    assert refusal(lambda: only_run(tmp_path / "none"))[0] == FILE
 
 
 def test_too_little_disk(tmp_path, monkeypatch):
