@@ -16,8 +16,8 @@ import tomllib
 import torch
 
 from . import errors
-from .config import load_config, parse_config
-from .evaluate import evaluate, spread_over
+from .config import config_of, load_config
+from .evaluate import evaluate, validation_samples
 from .journal import Progress
 from .machine import keep_freed_memory
 from .macs import layer_table, totals
@@ -59,26 +59,19 @@ def read_plan(path):
                 if not isinstance(values, dict):
                     raise errors.TrainingError(errors.CONFIGURATION, path, f"[variant.{name}] {section}: a table is wanted.")
                 tables.setdefault(section, {}).update(values)
-        configs[name] = parse_config(_as_toml(tables), f"{path} [variant.{name}]")
+        configs[name] = config_of(tables, f"{path} [variant.{name}]")
         for key in ("train", "validation"):
             folders = getattr(configs[name].data, key)
             setattr(configs[name].data, key, [str((path.parent / folder).resolve()) for folder in folders])
     return configs, seeds
 
 
-def _as_toml(tables):
-    """JSON's numbers, strings and arrays are TOML's, too."""
-    return "\n".join(f"[{section}]\n" + "\n".join(f"{key} = {json.dumps(value)}" for key, value in table.items())
-                     for section, table in tables.items())
-
-
 def train_once(config, seed, name):
     """What one training came to: metrics over all validation pixels and over event pixels, samples seen, seconds."""
     config = copy.deepcopy(config)
     config.train.seed = seed
-    paths, validation = split_shards(config.data)
-    if not validation:
-        raise errors.TrainingError(errors.CONFIGURATION, name, "names no validation shards: set [data] validation.")
+    paths, _ = split_shards(config.data)
+    windows = validation_samples(config, name)
     trainer = Trainer(config, lambda: paths)
     progress = Progress(f"{name}, seed {seed}", config.train.steps)
 
@@ -87,8 +80,7 @@ def train_once(config, seed, name):
 
     trainer.run(config.train.steps, after_step)
     progress.end()
-    rows, _ = evaluate(trainer.average.network, spread_over(validation, config.data.validation_samples), config,
-                       classical=False)
+    rows, _ = evaluate(trainer.average.network, windows, config, classical=False)
     result = {"variant": name, "seed": seed, "samples": trainer.step * config.train.batch,
               "seconds": round(trainer.seconds, 1), "facts": config.network_facts(), "rows": rows}
     for row in rows:

@@ -190,6 +190,11 @@ def parse_config(text, where):
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise TrainingError(CONFIGURATION, where, f"is not TOML: {error}") from None
+    return config_of(tables, where)
+
+
+def config_of(tables, where):
+    """The Config of {section: {key: value}}, as parse_config."""
     config = Config()
     known = {f.name for f in dataclasses.fields(config)}
     for name, table in tables.items():

@@ -28,6 +28,15 @@ def spread_over(paths, count):
     return [everything[i] for i in spread(len(everything), count)]
 
 
+def validation_samples(config, where, count=None):
+    """(shard, index) of `count` validation windows, or as many as the config says."""
+    _, paths = split_shards(config.data)
+    if not paths:
+        raise errors.TrainingError(errors.CONFIGURATION, where, "names no validation shards: set [data] validation or "
+                                   "hold_out_every.")
+    return spread_over(paths, count or config.data.validation_samples)
+
+
 @torch.no_grad()
 def predicted_index(network, facts, config):
     """Index at full resolution, float [height, width]."""
@@ -103,12 +112,9 @@ def main():
         raise errors.TrainingError(errors.USAGE, "--samples", "is positive.")
     keep_freed_memory()
     config = load_config(arguments.config)
-    _, paths = split_shards(config.data)
-    if not paths:
-        raise errors.TrainingError(errors.CONFIGURATION, arguments.config, "names no validation shards: set [data] "
-                                   "validation or hold_out_every.")
+    samples = validation_samples(config, arguments.config, arguments.samples)
     network = load_network(arguments.weights, config) if arguments.weights else None
-    rows, without = evaluate(network, spread_over(paths, arguments.samples or config.data.validation_samples), config)
+    rows, without = evaluate(network, samples, config)
     if arguments.json:
         print(json.dumps({"rows": rows, "without_parallax": without}))
     else:

@@ -5,8 +5,8 @@ DIR/qdq.onnx     the same with QuantizeLinear and DequantizeLinear where the int
 DIR/vectors.bin  one window's inputs, every intermediate of the integer model by name and its outputs, and PyTorch's outputs of
                  both graphs, raw and little-endian; DIR/vectors.json says where each begins, its type and its shape
 Inputs: focus u8 [1, D, maps, h/4, w/4], context u8 [1, n, h/4, w/4], half u8 [1, D, h/2, w/2], used int64 [1]. Outputs: index
-[1, h/2, w/2] in hypotheses, confidence [1, h/4, w/4]. `node onnx_runtime/compare.js DIR` runs both in ONNX Runtime. qdq.onnx rounds as nearly as ONNX can say it: halves to even in up-sampled
-sums, scores and indices as floats. Both are of one size, --size.
+[1, h/2, w/2] in hypotheses, confidence [1, h/4, w/4]. `node onnx_runtime/compare.js DIR` runs both in ONNX Runtime. qdq.onnx rounds as
+nearly as ONNX can say it: halves to even in up-sampled sums, scores and indices as floats. Both are of one size, --size.
 """
 import argparse
 import json
@@ -20,7 +20,7 @@ from . import errors
 from .config import load_config
 from .evaluate import load_network
 from .integer_model import IntegerModel
-from .macs import example_input
+from .macs import example_input, size_of
 from .machine import keep_freed_memory
 from .model.bytes import Bytes, Conv, ConvBnRelu, rounded_weights
 from .quantisation import is_quantised, set_rounding
@@ -162,12 +162,7 @@ def main():
     parser.add_argument("--out", required=True)
     parser.add_argument("--size", default="346x260", help="the working grid, WIDTHxHEIGHT in px")
     arguments = parser.parse_args()
-    try:
-        width, height = (int(n) for n in arguments.size.split("x"))
-        if min(width, height) < 32:
-            raise ValueError
-    except ValueError:
-        raise errors.TrainingError(errors.USAGE, "--size", "is WIDTHxHEIGHT, both at least 32.") from None
+    width, height = size_of(arguments.size)
     keep_freed_memory()
     config = load_config(arguments.config)
     network = load_network(arguments.weights, config)

@@ -77,12 +77,12 @@ class IntegerModel:
             raise ValueError("an integer model is made of a quantised network of order focus_first, without IHCA")
         a, r = network.aggregation, network.refinement
         self.hypotheses = network.hypotheses
-        focus_scale, cost_scale = FOCUS, _number(network.cost_scale())
+        focus_scale, cost_scale = FOCUS, float(network.cost_scale())
         self.fcd, scale = [], focus_scale
         for i, layer in enumerate(network.fcd.filter):
-            self.fcd.append(_conv(layer, scale, _number(layer[-1].scale), ZERO if i == 0 else 0))
-            scale = _number(layer[-1].scale)
-        s4, s8, s16 = (_number(group[0].scale) for group in a.one_scale())
+            self.fcd.append(_conv(layer, scale, float(layer[-1].scale), ZERO if i == 0 else 0))
+            scale = float(layer[-1].scale)
+        s4, s8, s16 = (float(group[0].scale) for group in a.one_scale())
         self.mix = _conv(a.mix, cost_scale, s4)
         of_cost = self.hypotheses * network.fcd.channels
         self.mix.bias = (self.mix.bias - ZERO * self.mix.weight[:, of_cost:].astype(np.int64).sum((1, 2, 3))).astype(np.int32)
@@ -92,14 +92,14 @@ class IntegerModel:
         self.narrow_16, self.up_8 = _conv(a.narrow_16, s16, s8), _residuals(a.up_8, s8)
         self.narrow_8, self.up_4 = _conv(a.narrow_8, s8, s4), _residuals(a.up_4, s4)
         self.head, self.own = _conv(a.head, s4, SCORE), _conv(a.own, cost_scale, SCORE)
-        guide = _number(r.large_guide.scale)
+        guide = float(r.large_guide.scale)
         self.guide = _conv(r.guide, s4, guide)
-        scale = _number(r.first[-1].scale)
-        self.first = _conv(r.first, _number(r.place.scale) / self.hypotheses, scale)
+        scale = float(r.first[-1].scale)
+        self.first = _conv(r.first, float(r.place.scale) / self.hypotheses, scale)
         self.body = []
         for layer in r.body:
-            self.body.append(_conv(layer, scale, _number(layer[-1].scale)))
-            scale = _number(layer[-1].scale)
+            self.body.append(_conv(layer, scale, float(layer[-1].scale)))
+            scale = float(layer[-1].scale)
         self.last = _conv(r.last, scale, STEP)
 
     def __call__(self, focus, context, half, used):
@@ -170,10 +170,6 @@ class IntegerModel:
         return np.clip(start + self.last.requantised(x)[0], 0, 256 * (used - 1)).astype(np.uint16)
 
 
-def _number(tensor):
-    return float(tensor)
-
-
 def _conv(layer, scale_in, scale_out, zero=0):
     """Of a Conv or ConvBnRelu: scale_in is what one unit of its first input channel is worth."""
     weight, bias = layer.folded()
@@ -196,5 +192,5 @@ def _conv(layer, scale_in, scale_out, zero=0):
 
 
 def _residuals(blocks, scale):
-    return [(_conv(block.first, scale, _number(block.first[-1].scale)),
-             _conv(block.second, _number(block.first[-1].scale), scale)) for block in blocks]
+    return [(_conv(block.first, scale, float(block.first[-1].scale)),
+             _conv(block.second, float(block.first[-1].scale), scale)) for block in blocks]

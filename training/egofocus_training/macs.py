@@ -56,18 +56,24 @@ def totals(rows):
     return {"macs": sum(r["macs"] for r in rows), "weight_bytes": sum(r["weight_bytes"] for r in rows)}
 
 
+def size_of(text):
+    """(width, height) of a --size."""
+    try:
+        width, height = (int(n) for n in text.split("x"))
+        if min(width, height) < 32:
+            raise ValueError
+    except ValueError:
+        raise errors.TrainingError(errors.USAGE, "--size", "is WIDTHxHEIGHT, both at least 32.") from None
+    return width, height
+
+
 def main():
     parser = argparse.ArgumentParser(prog="egofocus_training.macs", description=__doc__)
     parser.add_argument("--config", required=True)
     parser.add_argument("--size", default="346x260", help="the working grid, WIDTHxHEIGHT in px")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
-    try:
-        width, height = (int(n) for n in arguments.size.split("x"))
-        if min(width, height) < 32:
-            raise ValueError
-    except ValueError:
-        raise errors.TrainingError(errors.USAGE, "--size", "is WIDTHxHEIGHT, both at least 32.") from None
+    width, height = size_of(arguments.size)
     rows = layer_table(load_config(arguments.config), width, height)
     total = totals(rows)
     if arguments.json:

@@ -13,14 +13,13 @@ import torch
 from . import errors
 from .config import load_config
 from .dataset import collate
-from .evaluate import load_network, spread_over
+from .evaluate import load_network, validation_samples
 from .integer_model import IntegerModel
 from .journal import Progress
 from .machine import keep_freed_memory
 from .metrics import MeanMetrics, depth_of, enlarge, image_metrics, pixel_sets
 from .model.bytes import Bytes
 from .quantisation import is_quantised, set_rounding
-from .samples import split_shards
 from .windows import network_inputs, stack_sample, wanted_arrays
 
 WAYS = ("float", "rounded", "integer")
@@ -103,15 +102,12 @@ def main():
         raise errors.TrainingError(errors.USAGE, "--samples", "is positive.")
     keep_freed_memory()
     config = load_config(arguments.config)
-    _, paths = split_shards(config.data)
-    if not paths:
-        raise errors.TrainingError(errors.CONFIGURATION, arguments.config, "names no validation shards: set [data] "
-                                   "validation or hold_out_every.")
+    samples = validation_samples(config, arguments.config, arguments.samples)
     network = load_network(arguments.weights, config)
     if not is_quantised(network):
         raise errors.TrainingError(errors.CONFIGURATION, arguments.weights, "was trained in floats to the end: set [quantise] "
                                    "last_steps and go on.")
-    tensors, rows, far = report(network, spread_over(paths, arguments.samples), config)
+    tensors, rows, far = report(network, samples, config)
     print(json.dumps({"tensors": tensors, "rows": rows, "off": far}) if arguments.json else text(tensors, rows, far))
     return 0
 

@@ -4,6 +4,29 @@ import struct
 
 import numpy as np
 
+# A network that learns nothing useful, quickly, from `shards` beside its file. {} takes further lines of [train] and sections.
+CONFIG = """
+[data]
+train = ["shards"]
+hold_out_every = 2
+[input]
+hypotheses = 16
+span_px = 16.0
+maps = ["gradient:3", "squares:7"]
+[network]
+widths = [16, 16, 16]
+blocks = [1, 0, 1]
+up_blocks = [1, 1]
+refine_width = 8
+refine_dilations = [1]
+[augment]
+crop = [48, 64]
+[train]
+batch = 2
+workers = 0
+{}
+"""
+
 WIDTH, HEIGHT, FOCAL = 96, 80, 80.0
 SPEED_M_S, WINDOW_US = 1.0, 200000
 TOWN1, ROOM = 0, 5

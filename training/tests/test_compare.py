@@ -7,26 +7,6 @@ import small_world
 from egofocus_training import compare
 from egofocus_training.errors import CONFIGURATION, FILE, TrainingError
 
-BASE = """
-[data]
-train = ["shards"]
-hold_out_every = 2
-[input]
-hypotheses = 16
-span_px = 16.0
-maps = ["gradient:3", "squares:7"]
-[network]
-widths = [16, 16, 16]
-blocks = [0, 0, 0]
-up_blocks = [0, 0]
-refine_width = 8
-refine_dilations = []
-[augment]
-crop = [48, 64]
-[train]
-batch = 2
-workers = 0
-"""
 PLAN = """
 base = "base.toml"
 seeds = [1, 2]
@@ -43,7 +23,7 @@ network = { ihca_blocks = 1 }
 @pytest.fixture()
 def folder(tmp_path):
     small_world.write_shards(tmp_path / "shards", [small_world.varied_records(4), small_world.varied_records(4, 100)])
-    (tmp_path / "base.toml").write_text(BASE)
+    (tmp_path / "base.toml").write_text(small_world.CONFIG.format(""))
     (tmp_path / "plan.toml").write_text(PLAN)
     return tmp_path
 

@@ -10,29 +10,6 @@ from egofocus_training.errors import CONFIGURATION, TrainingError
 from egofocus_training.samples import find_shards
 from egofocus_training.trainer import Trainer
 
-CONFIG = """
-[data]
-train = ["shards"]
-hold_out_every = 2
-[input]
-hypotheses = 16
-span_px = 16.0
-maps = ["gradient:3", "squares:7"]
-[network]
-widths = [16, 16, 16]
-blocks = [1, 0, 1]
-up_blocks = [1, 1]
-refine_width = 8
-refine_dilations = [1]
-[augment]
-crop = [48, 64]
-[train]
-batch = 2
-steps = 4
-warmup_steps = 1
-workers = 0
-"""
-
 
 def program(folder, monkeypatch, *options):
     monkeypatch.setattr("sys.argv", ["rounding", "--config", str(folder / "c.toml"), "--weights", str(folder / "weights.pt"),
@@ -43,7 +20,8 @@ def program(folder, monkeypatch, *options):
 @pytest.mark.parametrize("last_steps", [0, 2])
 def test_each_tensor_and_each_way_has_its_row(tmp_path, monkeypatch, capsys, last_steps):
     small_world.write_shards(tmp_path / "shards", [small_world.varied_records(4), small_world.varied_records(4, 100)])
-    (tmp_path / "c.toml").write_text(CONFIG + f"[quantise]\nlast_steps = {last_steps}\ncalibration_batches = 2\n")
+    (tmp_path / "c.toml").write_text(small_world.CONFIG.format(
+        f"steps = 4\nwarmup_steps = 1\n[quantise]\nlast_steps = {last_steps}\ncalibration_batches = 2"))
     config = load_config(tmp_path / "c.toml")
     trainer = Trainer(config, lambda: find_shards(config.data.train)[:1])
     trainer.run(4, lambda terms: None)
