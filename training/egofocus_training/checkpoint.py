@@ -64,6 +64,12 @@ def require_same_network(path, state, config):
                                     f"{value!r} in the config. Use its config, or another --out.")
 
 
+def start_from(path, network):
+    """Weights (the average's, where a checkpoint has one) for a network of the same tensors; how it is trained may differ."""
+    state = read(path)
+    load_weights(network, state.get("average", state["network"]), path)
+
+
 def load_weights(network, weights, path):
     """load_state_dict; TrainingError (CONFIGURATION) when the program's own stages have changed since."""
     try:

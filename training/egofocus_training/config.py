@@ -69,11 +69,13 @@ class LossConfig:
     log_square: float = 1.0  # weight of its square beside its absolute value
     coarse: float = 0.3  # weight of the 1/8 head's distribution
     movers: float = 0.0  # weight of pixels on things that move by themselves
+    border: float = 0.0  # added to the weight where depth jumps within a few pixels
 
 
 @dataclass
 class TrainConfig:
     seed: int = 1
+    start: str = ""  # weights to begin with, relative to the config file; empty: random ones
     steps: int = 10000
     batch: int = 8
     learning_rate: float = 1e-3
@@ -178,6 +180,7 @@ def _check(config, where):
          "[train] workers, threads, ray_cache_mb and warmup_steps are not negative")
     need(t.learning_rate > 0 and t.clip_norm > 0, "[train] learning_rate and clip_norm are positive")
     need(0 <= t.ema < 1, "[train] ema: 0 to below 1")
+    need(config.loss.border >= 0, "[loss] border is not negative")
     need(0 <= config.quantise.last_steps <= t.steps and config.quantise.calibration_batches > 0,
          "[quantise] last_steps: 0 to [train] steps; calibration_batches is positive")
     need(config.quantise.last_steps == 0 or n.order == "focus_first", "[quantise] last_steps: the published order has no integer form")
@@ -218,6 +221,8 @@ def load_config(path):
 
     config.data.train = [beside(folder) for folder in config.data.train]
     config.data.validation = [beside(folder) for folder in config.data.validation]
+    if config.train.start:
+        config.train.start = beside(config.train.start)
     for name in ("folder", "reference"):
         if getattr(config.recording, name):
             setattr(config.recording, name, beside(getattr(config.recording, name)))

@@ -28,6 +28,18 @@ def coarse_index(index, weight, side):
     return np.where(known > 0, middle, 0).astype(np.float32), share.astype(np.float32)
 
 
+def borders(index, reach, least):
+    """Where indices within `reach` cells differ by `least` or more: bool, shape of index [h, w]."""
+    def widest(values, choose):
+        for axis in (0, 1):
+            padding = [(reach, reach) if a == axis else (0, 0) for a in (0, 1)]
+            padded = np.pad(values, padding, mode="edge")
+            values = choose.reduce([padded.take(range(s, s + values.shape[axis]), axis) for s in range(2 * reach + 1)])
+        return values
+
+    return widest(index, np.maximum) - widest(index, np.minimum) >= least
+
+
 def histogram(index, weight, side, hypotheses, width):
     """[D, h / side, w / side]: each pixel of a cell spread over hypotheses by exp(-|k - i| / width), |k - i| < 5; sums 1
     where anything is known."""

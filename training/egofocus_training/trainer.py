@@ -41,6 +41,8 @@ class Trainer:
         torch.manual_seed(config.train.seed)
         self.device = torch.device(config.train.device)
         self.network = FocusNetwork(config.input, config.network).to(self.device, memory_format=torch.channels_last)
+        if config.train.start:
+            checkpoint.start_from(config.train.start, self.network)
         self.average = WeightAverage(self.network, config.train.ema)
         self.optimiser = torch.optim.AdamW(parameter_groups(self.network, config.train.weight_decay),
                                            lr=config.train.learning_rate)

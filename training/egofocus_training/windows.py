@@ -3,7 +3,9 @@ import numpy as np
 
 from . import library
 from .focus_input import binding_maps
-from .targets import coarse_index, histogram, index_of
+from .targets import borders, coarse_index, histogram, index_of
+
+_JUMP = 1.5  # hypotheses: less is a slope
 
 
 def ladder_of(input_config, z_near_m, span_factor=1.0):
@@ -40,5 +42,8 @@ def training_targets(sample, facts, crop, loss_config, hypotheses):
     weight = np.where(moving, np.float32(loss_config.movers), np.float32(1))
     index_2, weight_2 = coarse_index(index, weight, 2)
     index_4, weight_4 = coarse_index(index, weight, 4)
+    if loss_config.border > 0:
+        weight_2 = weight_2 * np.float32(1 + loss_config.border * borders(index_2, 2, _JUMP))
+        weight_4 = weight_4 * np.float32(1 + loss_config.border * borders(index_4, 1, _JUMP))
     return {"index_2": index_2, "weight_2": weight_2, "index_4": index_4, "weight_4": weight_4,
             "label": histogram(index, weight, 4, hypotheses, loss_config.label_width).astype(np.float16)}
