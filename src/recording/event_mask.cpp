@@ -2,17 +2,19 @@
 
 #include <cmath>
 
-#include "pipeline/working_grid.hpp"
-
 namespace egofocus::recording {
 
 std::vector<std::int32_t> grid_pixels(const Config& config) {
   const Intrinsics& sensor = config.camera.intrinsics;
-  const Intrinsics grid = working_grid(config);
   std::vector<Ray> rays(static_cast<std::size_t>(sensor.width_px) *
                         static_cast<std::size_t>(sensor.height_px));
   fill_rays(config.camera, rays);
+  return grid_pixels(rays, working_grid(config));
+}
+
+std::vector<std::int32_t> grid_pixels(std::span<const Ray> rays, const Intrinsics& grid) {
   std::vector<std::int32_t> pixels;
+  pixels.reserve(rays.size());
   for (const Ray& ray : rays) {
     const double u = std::floor(grid.fx_px * static_cast<double>(ray.x) + grid.cx_px + 0.5);
     const double v = std::floor(grid.fy_px * static_cast<double>(ray.y) + grid.cy_px + 0.5);

@@ -6,12 +6,16 @@
 #include <vector>
 
 #include "egofocus/config.hpp"
+#include "pipeline/working_grid.hpp"
 
 namespace egofocus::recording {
 
 /// For each sensor pixel, row by row, the index of the grid pixel that its undistorted ray is nearest to; -1:
 /// none.
 [[nodiscard]] std::vector<std::int32_t> grid_pixels(const Config& config);
+
+/// The same of rays that fill_rays() made, and any grid.
+[[nodiscard]] std::vector<std::int32_t> grid_pixels(std::span<const Ray> rays, const Intrinsics& grid);
 
 /// Events count as the recording holds them, before the engine's filter and its decimation, each at the grid
 /// pixel that its undistorted ray is nearest to. A grid finer than the sensor has pixels that no event

@@ -25,6 +25,15 @@ RayCache& ray_cache() {
   return cache;
 }
 
+Config camera_config(const Grid& camera, int distortion, const std::vector<double>& coefficients) {
+  if (coefficients.size() > 5 || distortion < 0 || distortion > 2) refuse("unknown distortion.");
+  Config config;
+  config.camera.intrinsics = intrinsics_of(camera);
+  config.camera.distortion = static_cast<Distortion>(distortion);
+  std::copy(coefficients.begin(), coefficients.end(), config.camera.coefficients);
+  return config;
+}
+
 py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t>& x,
                       const Array<std::uint16_t>& y, const Array<std::int32_t>& motion_t_us,
                       const Array<float>& velocity_m_s, const Array<float>& rate_rad_s, const Grid& camera,
@@ -33,12 +42,8 @@ py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t
                       const std::optional<FocusMaps>& maps) {
   const py::ssize_t n = t_us.size();
   if (x.size() != n || y.size() != n) refuse("events want as many x and y as times.");
-  if (coefficients.size() > 5 || distortion < 0 || distortion > 2) refuse("unknown distortion.");
   const std::vector<CameraMotion> motion = motion_of(motion_t_us, velocity_m_s, rate_rad_s);
-  Config config;
-  config.camera.intrinsics = intrinsics_of(camera);
-  config.camera.distortion = static_cast<Distortion>(distortion);
-  std::copy(coefficients.begin(), coefficients.end(), config.camera.coefficients);
+  Config config = camera_config(camera, distortion, coefficients);
   config.ladder = ladder_of(ladder);
   config.window.max_events = max_events;
   config.window.min_events = 0;
@@ -72,6 +77,26 @@ py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t
                                       py::ssize_t{config.camera.intrinsics.width_px}});
   }
   return has_stack ? merged(std::move(out), arrays_of(*stack, wanted, maps)) : out;
+}
+
+// int32 [height, width] of the sensor.
+py::array_t<std::int32_t> pixel_table(const Intrinsics& sensor, const std::vector<std::int32_t>& pixels) {
+  return py::array_t<std::int32_t>(static_cast<py::ssize_t>(pixels.size()), pixels.data())
+      .reshape({py::ssize_t{sensor.height_px}, py::ssize_t{sensor.width_px}});
+}
+
+py::array_t<std::int32_t> grid_pixels(const Grid& camera, int distortion,
+                                      const std::vector<double>& coefficients, const Rectangle& crop) {
+  const Config config = camera_config(camera, distortion, coefficients);
+  Intrinsics grid = config.camera.intrinsics;
+  const auto [left, top, width, height] = crop;
+  if (width > 0) {
+    grid.width_px = width;
+    grid.height_px = height;
+    grid.cx_px -= left;
+    grid.cy_px -= top;
+  }
+  return pixel_table(config.camera.intrinsics, recording::grid_pixels(*ray_cache().rays(config), grid));
 }
 
 // The stage alone, on any planes.
@@ -124,20 +149,46 @@ class Recording {
         .reshape({py::ssize_t{picture.height_px}, py::ssize_t{picture.width_px}});
   }
 
-  // t_us before the tick, x, y
+  // t_us before the tick, x, y, polarity
   [[nodiscard]] py::tuple events(std::int64_t tick_us) const {
     const std::vector<Event> events = windows_.events();
     const auto n = static_cast<py::ssize_t>(events.size());
     py::array_t<std::int32_t> t(n);
     py::array_t<std::uint16_t> x(n);
     py::array_t<std::uint16_t> y(n);
+    py::array_t<std::uint8_t> polarity(n);
     for (py::ssize_t i = 0; i < n; ++i) {
       const Event& event = events[static_cast<std::size_t>(i)];
       t.mutable_at(i) = static_cast<std::int32_t>(event.t_us - tick_us);
       x.mutable_at(i) = event.x;
       y.mutable_at(i) = event.y;
+      polarity.mutable_at(i) = event.polarity;
     }
-    return py::make_tuple(t, x, y);
+    return py::make_tuple(t, x, y, polarity);
+  }
+
+  // t_us before the tick, velocity m/s [n, 3] and rate rad/s [n, 3] of the camera
+  [[nodiscard]] py::tuple motion(std::int64_t tick_us) const {
+    const std::vector<CameraMotion> motion = windows_.motion();
+    const auto n = static_cast<py::ssize_t>(motion.size());
+    py::array_t<std::int32_t> t(n);
+    py::array_t<float> velocity({n, py::ssize_t{3}});
+    py::array_t<float> rate({n, py::ssize_t{3}});
+    for (py::ssize_t i = 0; i < n; ++i) {
+      const CameraMotion& m = motion[static_cast<std::size_t>(i)];
+      t.mutable_at(i) = static_cast<std::int32_t>(m.t_us - tick_us);
+      for (py::ssize_t axis = 0; axis < 3; ++axis) {
+        velocity.mutable_at(i, axis) = static_cast<float>(m.velocity_m_s[axis]);
+        rate.mutable_at(i, axis) = static_cast<float>(m.angular_rate_rad_s[axis]);
+      }
+    }
+    return py::make_tuple(t, velocity, rate);
+  }
+
+  [[nodiscard]] py::array_t<std::int32_t> grid_pixels() {
+    const Config& config = windows_.folder().camera.config;
+    if (pixels_.empty()) pixels_ = recording::grid_pixels(config);
+    return pixel_table(config.camera.intrinsics, pixels_);
   }
 
  private:
@@ -155,6 +206,7 @@ class Recording {
   }
 
   RecordingWindows windows_;
+  std::vector<std::int32_t> pixels_;  // once wanted
 };
 
 }  // namespace
@@ -174,6 +226,10 @@ PYBIND11_MODULE(egofocus_stack, module) {
   module.def(
       "keep_rays", [](std::size_t bytes) { ray_cache().keep(bytes); }, py::arg("bytes"),
       "How much the tables of cameras seen last may take.");
+  module.def("grid_pixels", &grid_pixels, py::kw_only(), py::arg("camera"), py::arg("distortion"),
+             py::arg("coefficients"), py::arg("crop") = Rectangle{0, 0, 0, 0},
+             "For each pixel of the sensor the crop's pixel that its undistorted ray is nearest to, row by "
+             "row; -1: none.");
   module.def("focus_input", &focus_input, py::kw_only(), py::arg("planes"), py::arg("hypotheses"),
              py::arg("grid"), py::arg("baseline_m"), py::arg("step_per_m"), py::arg("maps"),
              py::arg("threads") = 1, "(focus, context) of planes of counts [used, height, width].");
@@ -183,5 +239,7 @@ PYBIND11_MODULE(egofocus_stack, module) {
       .def("tick", &Recording::tick, py::arg("t_us"), py::arg("wanted"), py::arg("maps") = std::nullopt)
       .def("truth_times_us", &Recording::truth_times_us)
       .def("truth_m", &Recording::truth_m, py::arg("t_us"))
-      .def("events", &Recording::events, py::arg("tick_us"));
+      .def("events", &Recording::events, py::arg("tick_us"))
+      .def("motion", &Recording::motion, py::arg("tick_us"))
+      .def("grid_pixels", &Recording::grid_pixels);
 }

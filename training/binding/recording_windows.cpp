@@ -66,7 +66,9 @@ std::uint64_t RecordingWindows::drain(std::int64_t tick_us) {
       if (n == 0 || n < ready.size()) return;
     }
   };
-  take(rings_.ends.events, [this](const Event& event) { stack_.add(event); });
+  take(rings_.ends.events, [this](const Event& event) {
+    if (stack_.add(event)) kept_.push_back(event);
+  });
   take(rings_.ends.imu, [this](const ImuSample& sample) { ego_motion_->add(sample); });
   take(rings_.ends.odometry, [this](const OdometrySample& sample) { ego_motion_->add(sample); });
   take(rings_.ends.poses, [this](const PoseSample& sample) { ego_motion_->add(sample); });
@@ -88,6 +90,7 @@ bool RecordingWindows::tick(std::int64_t tick_us) {
   tick_us_ = tick_us;
   ego_motion_->advance(tick_us);
   const std::int64_t longest_us = tick_us - folder_.camera.config.window.max_age_us;
+  while (!kept_.empty() && kept_.front().t_us < longest_us) kept_.pop_front();
   return stack_.run(std::max(longest_us, ego_motion_->earliest_us()), tick_us,
                     [this](std::int64_t begin_us, std::int64_t end_us, MotionTrack& out) {
                       return ego_motion_->track(begin_us, end_us, out);
@@ -105,15 +108,7 @@ std::vector<CameraMotion> RecordingWindows::motion() const {
 }
 
 std::vector<Event> RecordingWindows::events() const {
-  std::vector<Event> out;
-  EventWindow::Selection all =
-      stack_.window().select(tick_us_ - folder_.camera.config.window.max_age_us, tick_us_);
-  all.count = static_cast<std::uint32_t>(all.in_window);  // not decimated
-  for (std::uint32_t i = 0; i < all.count; ++i) {
-    const WindowEvent& event = stack_.window().at(all, i);
-    out.push_back({tick_us_ - EventWindow::age_us(event, tick_us_), event.x, event.y, 0});
-  }
-  return out;
+  return {kept_.begin(), kept_.end()};
 }
 
 }  // namespace egofocus::training

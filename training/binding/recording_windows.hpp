@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <vector>
 
@@ -49,6 +50,7 @@ class RecordingWindows {
   std::unique_ptr<ReplaySource> source_;
   std::unique_ptr<EgoMotion> ego_motion_;  // large
   WindowStack stack_;
+  std::deque<Event> kept_;  // of the longest window
   std::int64_t tick_us_ = INT64_MIN;
 };
 

@@ -72,8 +72,10 @@ WindowStack::WindowStack(const Config& config, const Crop& crop, std::span<const
   recording::require(pool_.start(1, 0, -1), "window", recording::ExitCode::kInternal);
 }
 
-void WindowStack::add(const Event& event) noexcept {
-  if (filter_.keep(event)) window_.add(event);
+bool WindowStack::add(const Event& event) noexcept {
+  if (!filter_.keep(event)) return false;
+  window_.add(event);
+  return true;
 }
 
 bool WindowStack::run(std::int64_t oldest_us, std::int64_t tick_us, const TrackFunction& track) {

@@ -45,8 +45,8 @@ class WindowStack {
   /// empty: made here, which takes longer than everything else.
   WindowStack(const Config& config, const Crop& crop, std::span<const Ray> rays = {});
 
-  /// Times must not fall. Through the event filter into the window.
-  void add(const Event& event) noexcept;
+  /// Times must not fall. Through the event filter into the window; false where the filter kept it back.
+  bool add(const Event& event) noexcept;
 
   /// Ladder, selection, warp and votes of the window that ends at tick_us and is nowhere older than
   /// oldest_us. False, and no stack: motion unknown, no parallax, or no events.

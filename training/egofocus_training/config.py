@@ -34,7 +34,7 @@ class InputConfig:
 
 @dataclass
 class NetworkConfig:
-    order: str = "focus_first"  # or "published"
+    order: str = "focus_first"  # or "published"; "recurrent": [recurrent] in place of what stands below
     cost_channels: int = 4  # per hypothesis, after focus cost discrimination; 0: the maps as they come
     cost_hidden: int = 8  # between its two convolutions; 0: one convolution
     ihca_blocks: int = 0
@@ -45,6 +45,17 @@ class NetworkConfig:
     refine_width: int = 16
     refine_dilations: list = field(default_factory=lambda: [1, 2, 4, 1])
     regression_window: int = 0  # hypotheses on either side of the best that count; 0: all
+
+
+@dataclass
+class RecurrentConfig:
+    """A network that is told the motion as numbers alone: voxel grids, one after the other (model/recurrent.py)."""
+    slices: int = 4  # of equal time
+    bins: int = 5  # of each slice
+    stem: int = 16  # channels at 1/2
+    widths: list = field(default_factory=lambda: [28, 46, 84])  # of the states at 1/4, 1/8, 1/16
+    refine_width: int = 12
+    refine_dilations: list = field(default_factory=lambda: [1, 2])
 
 
 @dataclass
@@ -115,6 +126,7 @@ class Config:
     data: DataConfig = field(default_factory=DataConfig)
     input: InputConfig = field(default_factory=InputConfig)
     network: NetworkConfig = field(default_factory=NetworkConfig)
+    recurrent: RecurrentConfig = field(default_factory=RecurrentConfig)
     augment: AugmentConfig = field(default_factory=AugmentConfig)
     loss: LossConfig = field(default_factory=LossConfig)
     train: TrainConfig = field(default_factory=TrainConfig)
@@ -123,7 +135,10 @@ class Config:
 
     def network_facts(self):
         """What weights depend on: equal facts, same network."""
-        return {"input": dataclasses.asdict(self.input), "network": dataclasses.asdict(self.network)}
+        facts = {"input": dataclasses.asdict(self.input), "network": dataclasses.asdict(self.network)}
+        if self.network.order == "recurrent":
+            facts["recurrent"] = dataclasses.asdict(self.recurrent)
+        return facts
 
 
 def _same_kind(value, default):
@@ -166,11 +181,16 @@ def _check(config, where):
         name, _, side = str(entry).partition(":")
         need(name in ("gradient", "gradient_x", "gradient_y", "squares") and side in ("1", "3", "5", "7"),
              f"[input] maps: `{entry}` is not gradient, gradient_x, gradient_y or squares with :1 :3 :5 :7")
-    need(n.order in ("focus_first", "published"), "[network] order: focus_first or published")
-    need(n.cost_channels > 0 or n.order == "focus_first", "[network] cost_channels: the published order needs some")
+    need(n.order in ("focus_first", "published", "recurrent"), "[network] order: focus_first, published or recurrent")
+    need(n.cost_channels > 0 or n.order != "published", "[network] cost_channels: the published order needs some")
     need(min(n.cost_channels, n.cost_hidden, n.ihca_blocks) >= 0, "[network] channels and blocks are not negative")
     need(len(n.widths) == 3 and len(n.blocks) == 3 and len(n.up_blocks) == 2,
          "[network] widths and blocks have three entries, up_blocks two")
+    r = config.recurrent
+    need(1 <= r.slices <= 32 and 2 <= r.bins <= 32, "[recurrent] slices: 1 to 32; bins: 2 to 32")
+    need(len(r.widths) == 3 and all(type(w) is int and w > 0 for w in [r.stem, r.refine_width, *r.widths]),
+         "[recurrent] stem, refine_width and the three widths are positive")
+    need(all(type(d) is int and d > 0 for d in r.refine_dilations), "[recurrent] refine_dilations are positive")
     need(len(a.crop) in (0, 2) and all(c >= 32 and c % 16 == 0 for c in a.crop),
          "[augment] crop: [height, width], multiples of 16 from 32 on, or []")
     need(len(a.span) == 2 and 0.1 <= a.span[0] <= a.span[1] <= 1, "[augment] span: [low, high] within 0.1 to 1")
@@ -183,7 +203,7 @@ def _check(config, where):
     need(config.loss.border >= 0, "[loss] border is not negative")
     need(0 <= config.quantise.last_steps <= t.steps and config.quantise.calibration_batches > 0,
          "[quantise] last_steps: 0 to [train] steps; calibration_batches is positive")
-    need(config.quantise.last_steps == 0 or n.order == "focus_first", "[quantise] last_steps: the published order has no integer form")
+    need(config.quantise.last_steps == 0 or n.order == "focus_first", f"[quantise] last_steps: the {n.order} order has no integer form")
     need(t.device in ("cpu", "cuda"), "[train] device: cpu or cuda")
 
 

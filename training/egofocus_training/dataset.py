@@ -10,7 +10,7 @@ from .augment import augment
 from .errors import BAD_FILE, TrainingError
 from .machine import keep_freed_memory
 from .samples import FAMILIES, Shard
-from .windows import network_inputs, stack_sample, training_targets, wanted_arrays
+from .windows import network_inputs, sample_facts, training_targets
 
 _WORLDS_TOGETHER = 256
 _ATTEMPTS = 20  # windows without parallax have no stack: another one takes their place
@@ -58,18 +58,17 @@ class WindowDataset(torch.utils.data.Dataset):
 
     def window(self, epoch, position):
         random = np.random.default_rng([self.config.train.seed, 2, epoch, position])
-        published = self.config.network.order == "published"
         where = int(self.order(epoch)[position])
         for _ in range(_ATTEMPTS):
             shard, index = self.at[where]
             of_world = np.random.default_rng([self.config.train.seed, 3, epoch, int(self.world[where])])
             sample, crop, span = augment(self.shards[shard][index], self.config.augment, random, of_world)
             try:
-                facts = stack_sample(sample, self.config.input, wanted_arrays(published), crop, span)
+                facts = sample_facts(sample, self.config, (), crop, span)
             except library.stack.StackError as error:
                 raise TrainingError(BAD_FILE, f"{self.shards[shard].path}, sample {index}", str(error)) from None
             if facts["has_stack"]:
-                item = network_inputs(facts, published)
+                item = network_inputs(facts, self.config.network.order)
                 item.update(training_targets(sample, facts, crop, self.config.loss, self.config.input.hypotheses))
                 return item
             where = int(random.integers(len(self.at)))

@@ -15,10 +15,10 @@ from .dataset import collate, spread
 from .journal import Progress
 from .machine import keep_freed_memory
 from .metrics import SETS, MeanMetrics, depth_of, enlarge, image_metrics, pixel_sets
-from .model.network import FocusNetwork
+from .model.build import network_of
 from .quantisation import set_rounding
 from .samples import Shard, split_shards
-from .windows import network_inputs, stack_sample, wanted_arrays
+from .windows import network_inputs, sample_facts
 
 
 def spread_over(paths, count):
@@ -40,7 +40,7 @@ def validation_samples(config, where, count=None):
 @torch.no_grad()
 def predicted_index(network, facts, config):
     """Index at full resolution, float [height, width]."""
-    inputs = collate([network_inputs(facts, config.network.order == "published")])
+    inputs = collate([network_inputs(facts, config.network.order)])
     device = next(network.parameters()).device
     prediction = network({name: tensor.to(device) for name, tensor in inputs.items()})
     width, height = facts["grid"][:2]
@@ -51,14 +51,13 @@ def evaluate(network, samples, config, classical=True):
     """Rows of MeanMetrics over samples [(shard, index)]. The network may be None."""
     means = MeanMetrics()
     progress = Progress("evaluate", len(samples))
-    published = config.network.order == "published"
-    wanted = (*wanted_arrays(published), "event_mask", *(("argmax", "sgm") if classical else ()))
+    more = ("event_mask", *(("argmax", "sgm") if classical else ()))
     if network is not None:
         network.eval()
     without = 0
     for n, (shard, i) in enumerate(samples):
         sample = shard[i]
-        facts = stack_sample(sample, config.input, wanted)
+        facts = sample_facts(sample, config, more)
         progress.show(n + 1)
         if not facts["has_stack"]:
             without += 1
@@ -94,7 +93,7 @@ def load_network(path, config):
     """The network of a weights file or a checkpoint's average. TrainingError as checkpoint.read()."""
     state = checkpoint.read(path)
     checkpoint.require_same_network(path, state, config)
-    network = FocusNetwork(config.input, config.network)
+    network = network_of(config)
     checkpoint.load_weights(network, state.get("average", state["network"]), path)
     if state["quantised"]:
         set_rounding(network, True)

@@ -37,8 +37,8 @@ class Journal:
         return out
 
 
-def draw_curves(series, path, names):
-    """A picture with one panel per name; a name "a b" draws both into one."""
+def draw_curves(series, path, names, unit="step"):
+    """A picture with one panel per name; a name "a b" draws both into one. unit: of what the points stand over."""
     from PIL import Image, ImageDraw
 
     width, height, margin = 640, 200, 46
@@ -66,11 +66,13 @@ def draw_curves(series, path, names):
             y = at(first, value)[1]
             draw.line([(margin, y), (width - margin, y)], fill="#dddddd")
             draw.text((2, y - 6), f"{value:.3g}", fill="black")
-        draw.text((width - 2 * margin, top + height - 20), f"step {last}", fill="black")
+        draw.text((width - 2 * margin, top + height - 20), f"{unit} {last}", fill="black")
+        legend = margin
         for i, (name, points) in enumerate(lines):
             colour = _COLOURS[i % len(_COLOURS)]
             draw.line([at(*p) for p in points], fill=colour, width=2)
-            draw.text((margin + 140 * i, top + 4), name, fill=colour)
+            draw.text((legend, top + 4), name, fill=colour)
+            legend += draw.textlength(name) + 20
     picture.save(path)
 
 

@@ -8,40 +8,52 @@ from torch import nn
 from . import errors
 from .config import load_config
 from .focus_input import context_channels
-from .model.network import FocusNetwork
+from .model.build import network_of
+from .voxels import MOTIONS
 
 
 def example_input(config, width, height, batch=1):
     """Zeros in the shapes of a window of this size."""
     depth = config.input.hypotheses
     h, w = -(-height // 4), -(-width // 4)
+    h2, w2 = -(-height // 2), -(-width // 2)
+    used = torch.full((batch,), depth)
+    if config.network.order == "recurrent":
+        r = config.recurrent
+        return {"slices": torch.zeros(batch, r.slices, r.bins, height, width, dtype=torch.int8),
+                "motion": torch.zeros(batch, r.slices, MOTIONS), "rays": torch.zeros(batch, 2, h2, w2), "used": used}
     inputs = {"focus": torch.zeros(batch, depth, len(config.input.maps), h, w, dtype=torch.uint8),
               "context": torch.zeros(batch, context_channels(config.input), h, w, dtype=torch.uint8),
-              "half": torch.zeros(batch, depth, -(-height // 2), -(-width // 2), dtype=torch.uint8),
-              "used": torch.full((batch,), depth)}
+              "half": torch.zeros(batch, depth, h2, w2, dtype=torch.uint8), "used": used}
     if config.network.order == "published":
         inputs["counts"] = torch.zeros(batch, depth, height, width, dtype=torch.uint8)
     return inputs
 
 
 def layer_table(config, width, height):
-    """One dict per convolution in the order they run: name, kind, MACs, bytes of int8 weights (with int32 bias and scale)."""
-    network = FocusNetwork(config.input, config.network).eval()
-    rows = []
+    """One dict per convolution in the order they run: name, kind, MACs (of all the times that it runs), bytes of int8 weights
+    (with int32 bias and scale)."""
+    network = network_of(config).eval()
+    rows = {}
 
     def watch(name, conv):
         def hook(_, inputs, output):
-            kernel = conv.kernel_size[0]
-            per_output = conv.in_channels // conv.groups * kernel * kernel
-            rows.append({"layer": name,
-                         "kind": f"{'depthwise' if conv.groups > 1 else 'conv'} {kernel}x{kernel}"
-                                 + (f" /{conv.stride[0]}" if conv.stride[0] > 1 else "")
-                                 + (f" dilation {conv.dilation[0]}" if conv.dilation[0] > 1 else ""),
-                         "channels": f"{conv.in_channels} -> {conv.out_channels}",
-                         "output": f"{'D x ' if output.shape[0] > 1 else ''}{output.shape[3]}x{output.shape[2]}",
-                         "macs": output.numel() * per_output,
-                         "weight_bytes": conv.weight.numel() + 8 * conv.out_channels,
-                         "output_bytes": output.numel()})
+            if name in rows:
+                rows[name]["macs"] += output.numel() * per_output
+                rows[name]["output_bytes"] += output.numel()
+                return
+            rows[name] = {"layer": name,
+                          "kind": f"{'depthwise' if conv.groups > 1 else 'conv'} {kernel}x{kernel}"
+                                  + (f" /{conv.stride[0]}" if conv.stride[0] > 1 else "")
+                                  + (f" dilation {conv.dilation[0]}" if conv.dilation[0] > 1 else ""),
+                          "channels": f"{conv.in_channels} -> {conv.out_channels}",
+                          "output": (f"{output.shape[0]} x " if output.shape[0] > 1 else "") + f"{output.shape[3]}x{output.shape[2]}",
+                          "macs": output.numel() * per_output,
+                          "weight_bytes": conv.weight.numel() + 8 * conv.out_channels,
+                          "output_bytes": output.numel()}
+
+        kernel = conv.kernel_size[0]
+        per_output = conv.in_channels // conv.groups * kernel * kernel
         conv.register_forward_hook(hook)
 
     for name, module in network.named_modules():
@@ -49,7 +61,7 @@ def layer_table(config, width, height):
             watch(name, module)
     with torch.no_grad():
         network(example_input(config, width, height))
-    return rows
+    return list(rows.values())
 
 
 def totals(rows):

@@ -13,13 +13,12 @@ import numpy as np
 from . import errors, library
 from .config import load_config
 from .evaluate import load_network, predicted_index
-from .focus_input import binding_maps
 from .integer_model import IntegerModel
 from .journal import Progress
 from .machine import keep_freed_memory
 from .metrics import enlarge
 from .quantisation import is_quantised
-from .windows import ladder_of, network_inputs, wanted_arrays
+from .windows import ladder_of, network_inputs, recording_facts
 
 _Z_NEAR_M, _SCALE_M = 2.0, 0.001  # what the library takes where camera.toml is silent
 
@@ -57,7 +56,7 @@ def write_maps(index_of, folder, out, config):
         empty = 0
         progress = Progress(folder.name, len(times))
         for n, t_us in enumerate(times):
-            facts = recording.tick(t_us, wanted_arrays(config.network.order == "published"), binding_maps(config.input))
+            facts = recording_facts(recording, t_us, config)
             if facts["has_stack"]:
                 picture = depth_picture(index_of(facts), facts["step_per_m"], scale_m)
             else:

@@ -11,7 +11,7 @@ from .units import CONTEXT
 
 
 def is_quantised(network):
-    return network.aggregation.head.active
+    return any(module.active for module in network.modules() if isinstance(module, Bytes))
 
 
 @torch.no_grad()

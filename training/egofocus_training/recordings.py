@@ -12,10 +12,9 @@ import numpy as np
 from . import errors, library
 from .config import load_config
 from .evaluate import load_network, predicted_index
-from .focus_input import binding_maps
 from .machine import keep_freed_memory
 from .metrics import depth_of
-from .windows import ladder_of, wanted_arrays
+from .windows import ladder_of, recording_facts
 
 
 def reference_of(recording, config):
@@ -45,7 +44,7 @@ def evaluate_recording(network, config):
         recording = library.stack.Recording(place.folder, place.source or None, ladder_of(config.input, place.z_near_m))
         found = []
         for t_us, truth_m in reference_of(recording, place):
-            facts = recording.tick(t_us, [*wanted_arrays(config.network.order == "published"), "sgm"], binding_maps(config.input))
+            facts = recording_facts(recording, t_us, config, ("sgm",))
             if not facts["has_stack"]:
                 continue
             step = facts["step_per_m"]

@@ -49,7 +49,7 @@ def report(network, samples, config):
     for n, (shard, i) in enumerate(samples):
         progress.show(n + 1)
         sample = shard[i]
-        facts = stack_sample(sample, config.input, (*wanted_arrays(False), "event_mask"))
+        facts = stack_sample(sample, config.input, (*wanted_arrays(), "event_mask"))
         if not facts["has_stack"]:
             continue
         inputs = network_inputs(facts)

@@ -14,14 +14,11 @@ from . import errors, library
 from .config import load_config
 from .dataset import collate
 from .evaluate import load_network
-from .focus_input import binding_maps
 from .metrics import enlarge
 from .model.regression import distribution
 from .recordings import reference_of
 from .samples import Shard
-from .windows import ladder_of, network_inputs, stack_sample, wanted_arrays
-
-_WANTED = wanted_arrays(published=True)
+from .windows import ladder_of, network_inputs, recording_facts, sample_facts
 
 
 def colours(values, low, high):
@@ -44,7 +41,7 @@ def grey(counts):
 def window_of_sample(path, number, config):
     """(facts, events [h, w], truth's index [h, w])"""
     sample = Shard(path)[number]
-    facts = stack_sample(sample, config.input, _WANTED)
+    facts = sample_facts(sample, config, ("counts",))
     events = np.zeros((sample.camera.height, sample.camera.width))
     recent = sample.t_us >= facts["begin_us"]
     np.add.at(events, (sample.y[recent], sample.x[recent]), 1)
@@ -56,9 +53,9 @@ def window_of_recording(config, at_us):
     recording = library.stack.Recording(place.folder, place.source or None, ladder_of(config.input, place.z_near_m))
     references = dict(reference_of(recording, place))
     at_us = at_us if at_us is not None else next(iter(references), 0)
-    facts = recording.tick(at_us, _WANTED, binding_maps(config.input))
+    facts = recording_facts(recording, at_us, config, ("counts",))
     width, height = facts["grid"][:2]
-    t_us, x, y = recording.events(at_us)
+    t_us, x, y, _ = recording.events(at_us)
     events = np.zeros((height, width))
     recent = (t_us >= facts["begin_us"]) & (x < width) & (y < height)
     np.add.at(events, (y[recent], x[recent]), 1)
@@ -73,7 +70,7 @@ def render(network, config, facts, events, truth):
     """The picture, u8 [height, width, 3]."""
     from PIL import Image, ImageDraw
 
-    inputs = collate([network_inputs(facts, config.network.order == "published")])
+    inputs = collate([network_inputs(facts, config.network.order)])
     prediction = network(inputs)
     p = distribution(prediction.scores, inputs["used"])[0].numpy()
     height, width = events.shape

@@ -10,7 +10,7 @@ from .average import WeightAverage
 from .dataset import WindowDataset, epoch_loader
 from .errors import CONFIGURATION, DIVERGED, TrainingError
 from .losses import loss_terms
-from .model.network import FocusNetwork
+from .model.build import network_of
 from .quantisation import calibrate, is_quantised, set_rounding
 
 CHECKPOINT = "checkpoint.pt"
@@ -40,7 +40,7 @@ class Trainer:
         self.config, self.find_paths = config, find_paths
         torch.manual_seed(config.train.seed)
         self.device = torch.device(config.train.device)
-        self.network = FocusNetwork(config.input, config.network).to(self.device, memory_format=torch.channels_last)
+        self.network = network_of(config).to(self.device, memory_format=torch.channels_last)
         if config.train.start:
             checkpoint.start_from(config.train.start, self.network)
         self.average = WeightAverage(self.network, config.train.ema)

@@ -1,11 +1,14 @@
-"""A sample as the network sees it: the library's stack and focus, and the truth in steps of its ladder."""
+"""A window as the network sees it: the library's stack and focus, and the truth in steps of its ladder."""
 import numpy as np
 
 from . import library
 from .focus_input import binding_maps
 from .targets import borders, coarse_index, histogram, index_of
+from .voxels import recurrent_inputs
 
 _JUMP = 1.5  # hypotheses: less is a slope
+_INPUTS = {"focus_first": ("focus", "context", "half"), "published": ("focus", "context", "half", "counts"),
+           "recurrent": ("slices", "motion", "rays")}
 
 
 def ladder_of(input_config, z_near_m, span_factor=1.0):
@@ -24,13 +27,39 @@ def stack_sample(sample, input_config, wanted, crop=(0, 0, 0, 0), span_factor=1.
         max_events=input_config.max_events, crop=crop, wanted=list(wanted), maps=binding_maps(input_config))
 
 
-def wanted_arrays(published):
-    return ("focus", "context", "half", "counts") if published else ("focus", "context", "half")
+def wanted_arrays(order="focus_first"):
+    """What the binding makes of a network's inputs."""
+    return () if order == "recurrent" else _INPUTS[order]
 
 
-def network_inputs(facts, published=False):
-    """The network's inputs of one window, as numpy: its wanted_arrays() and how many hypotheses it used."""
-    return {name: facts[name] for name in wanted_arrays(published)} | {"used": np.int64(facts["hypotheses"])}
+def sample_facts(sample, config, more=(), crop=(0, 0, 0, 0), span_factor=1.0):
+    """Facts of one sample with the inputs of the configured network, where there is a stack, and `more` of the binding's
+    arrays."""
+    order = config.network.order
+    facts = stack_sample(sample, config.input, (*wanted_arrays(order), *more), crop, span_factor)
+    if order == "recurrent" and facts["has_stack"]:
+        camera = sample.camera
+        pixels = library.stack.grid_pixels(camera=camera.grid(), distortion=camera.distortion,
+                                           coefficients=list(camera.coefficients), crop=crop)
+        facts |= recurrent_inputs(config.recurrent, facts, (sample.t_us, sample.polarity),
+                                  (sample.motion_t_us, sample.velocity_m_s, sample.rate_rad_s), pixels[sample.y, sample.x])
+    return facts
+
+
+def recording_facts(recording, t_us, config, more=()):
+    """The same of a recording's window that ends at t_us; times must rise."""
+    order = config.network.order
+    facts = recording.tick(t_us, [*wanted_arrays(order), *more], binding_maps(config.input))
+    if order == "recurrent" and facts["has_stack"]:
+        event_t_us, x, y, polarity = recording.events(t_us)
+        facts |= recurrent_inputs(config.recurrent, facts, (event_t_us, polarity), recording.motion(t_us),
+                                  recording.grid_pixels()[y, x])
+    return facts
+
+
+def network_inputs(facts, order="focus_first"):
+    """The network's inputs of one window, as numpy, and how many hypotheses its ladder used."""
+    return {name: facts[name] for name in _INPUTS[order]} | {"used": np.int64(facts["hypotheses"])}
 
 
 def training_targets(sample, facts, crop, loss_config, hypotheses):

@@ -50,7 +50,7 @@ def test_the_ladder_and_the_focus_are_where_the_wall_is():
 
 
 def test_hypotheses_that_the_ladder_left_out_are_zero():
-    facts = stack_sample(sample_of(4.0, z_near_m=3.0), CONFIG, wanted_arrays(published=False))
+    facts = stack_sample(sample_of(4.0, z_near_m=3.0), CONFIG, wanted_arrays())
     assert facts["hypotheses"] == 8
     focus, context = facts["focus"], facts["context"]
     assert np.all(focus[8:] == ZERO) and np.any(focus[:8] != ZERO) and not facts["half"][8:].any()
@@ -142,7 +142,7 @@ def test_histogram_by_hand():
 def test_targets_of_a_crop():
     sample = sample_of(2.0)
     crop = (0, 0, 64, 48)
-    facts = stack_sample(sample, CONFIG, wanted_arrays(published=False), crop)
+    facts = stack_sample(sample, CONFIG, wanted_arrays(), crop)
     targets = training_targets(sample, facts, crop, LossConfig(movers=0.25), 16)
     assert targets["index_2"].shape == (24, 32) and targets["label"].shape == (16, 12, 16)
     assert targets["weight_4"][0, 0] == 0.25 and targets["weight_4"][2, 2] == 1

@@ -1,0 +1,9 @@
+"""The network that a configuration means."""
+from .network import FocusNetwork
+from .recurrent import RecurrentNetwork
+
+
+def network_of(config):
+    if config.network.order == "recurrent":
+        return RecurrentNetwork(config.input, config.recurrent)
+    return FocusNetwork(config.input, config.network)
