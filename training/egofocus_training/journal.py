@@ -38,7 +38,8 @@ class Journal:
 
 
 def draw_curves(series, path, names, unit="step"):
-    """A picture with one panel per name; a name "a b" draws both into one. unit: of what the points stand over."""
+    """A picture with one panel per name; a name "a b" draws both into one; of "title:a" the title stands first.
+    unit: of what the points stand over."""
     from PIL import Image, ImageDraw
 
     width, height, margin = 640, 200, 46
@@ -67,12 +68,15 @@ def draw_curves(series, path, names, unit="step"):
             draw.line([(margin, y), (width - margin, y)], fill="#dddddd")
             draw.text((2, y - 6), f"{value:.3g}", fill="black")
         draw.text((width - 2 * margin, top + height - 20), f"{unit} {last}", fill="black")
-        legend = margin
+        title = lines[0][0].rpartition(":")[0]
+        draw.text((margin, top + 4), title, fill="black")
+        legend = margin + (draw.textlength(title) + 20 if title else 0)
         for i, (name, points) in enumerate(lines):
             colour = _COLOURS[i % len(_COLOURS)]
             draw.line([at(*p) for p in points], fill=colour, width=2)
-            draw.text((legend, top + 4), name, fill=colour)
-            legend += draw.textlength(name) + 20
+            label = name.rpartition(":")[2]
+            draw.text((legend, top + 4), label, fill=colour)
+            legend += draw.textlength(label) + 20
     picture.save(path)
 
 

@@ -2,9 +2,9 @@
 confidence know where the depth is wrong?
 
 Pixels are removed from the least trusted up, 0 to 95 % in steps of 5 % (among equals: the expectation over all orders), and the
-error of the rest is drawn over the share removed: by the network's confidence, by the negative entropy of its softmax alone, and
-by an oracle that removes the worst pixels first. AUSE: area between a curve and the oracle's. Curves are means over validation
-windows, as in `egofocus eval`.
+error of the rest is drawn over the share removed: by the network's confidence, by the parallax in it alone, by the negative
+entropy of the softmax alone, and by an oracle that removes the worst pixels first. AUSE: area between a curve and the oracle's.
+Curves are means over validation windows, as in `egofocus eval`.
 """
 import argparse
 import json
@@ -19,12 +19,13 @@ from .evaluate import load_network, validation_samples
 from .journal import Progress, draw_curves
 from .machine import keep_freed_memory
 from .metrics import SETS, depth_of, enlarge, pixel_sets
-from .model.regression import distribution
+from .model.regression import confidence, distribution
 from .windows import network_inputs, sample_facts
 
 STEPS = 20  # shares removed: k / STEPS
 METRICS = ("abs_rel", "rmse_log")
-WAYS = ("confidence", "entropy", "oracle")
+_ENDLESS_PX = 1e9
+WAYS = ("confidence", "parallax", "entropy", "oracle")
 
 
 def curve(values, trust):
@@ -56,14 +57,14 @@ def trusts_of(network, facts, config):
     """(index [h, w], {way: trust [h, w]}) of a window; trusts are those of the cells of 4x4 px."""
     inputs = collate([network_inputs(facts, config.network.order)])
     prediction = network(inputs)
-    p = distribution(prediction.scores, inputs["used"])[0]
+    p = distribution(prediction.scores, inputs["used"])
+    mass = confidence(p, prediction.index_4, torch.full_like(prediction.index_4, _ENDLESS_PX))
+    trusts = {"confidence": prediction.confidence, "parallax": prediction.confidence / mass.clamp(min=1e-6),
+              "entropy": (p * torch.log(p.clamp(min=1e-12))).sum(1)}
     width, height = facts["grid"][:2]
 
-    def pixels(cells):
-        return np.kron(cells.float().numpy(), np.ones((4, 4)))[:height, :width]
-
     return enlarge(prediction.index[0].float().numpy(), height, width), \
-        {"confidence": pixels(prediction.confidence[0]), "entropy": pixels((p * torch.log(p.clamp(min=1e-12))).sum(0))}
+        {way: np.kron(trust[0].float().numpy(), np.ones((4, 4)))[:height, :width] for way, trust in trusts.items()}
 
 
 def sparsification(network, samples, config):

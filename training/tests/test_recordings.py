@@ -33,8 +33,9 @@ def test_windows_tell_what_they_rest_on():
     facts = recording.tick(700_000, ["counts", "half", "cells"])
     assert facts["has_stack"] and facts["counts"].shape == (64, 180, 240) and facts["cells"].shape == (4, 64, 45, 60)
     assert facts["counts"].astype(int).sum() == facts["votes"]
-    t_us, x, y = recording.events(700_000)
+    t_us, x, y, polarity = recording.events(700_000)
     assert t_us.size >= facts["events"] and t_us.max() <= 0 and x.max() < 240 and y.max() < 180
+    assert set(polarity.tolist()) == {0, 1}
     assert recording.truth_m(700_000).shape == (180, 240)
     assert not recording.tick(2_100_000, [])["has_stack"]  # it stands still
 
