@@ -1,6 +1,6 @@
 """python3 -m egofocus_training.overfit --config FILE [--samples 64] [--steps 400] [--json]: can the network learn at all?
 
-Trains on a few samples without augmentation and says how well it knows them: Abs.Rel near 0 shows that inputs, targets,
+Trains on a few samples, in floats and without augmentation, and says how well it knows them: Abs.Rel near 0 shows that inputs, targets,
 loss and network belong together. What it learns is thrown away.
 """
 import argparse
@@ -25,6 +25,8 @@ def overfit(config, samples, steps):
     augment.velocity_noise = augment.delay_ms = 0.0
     config.data.limit = samples
     config.train.steps, config.train.warmup_steps = steps, max(steps // 20, 1)
+    config.train.workers = 0  # a worker would end with each short epoch, and its tables of rays with it
+    config.quantise.last_steps = 0
     paths, _ = split_shards(config.data)
     trainer = Trainer(config, lambda: paths)
     progress = Progress("overfit", steps)

@@ -2,9 +2,13 @@
 confidence know where the depth is wrong?
 
 Pixels are removed from the least trusted up, 0 to 95 % in steps of 5 % (among equals: the expectation over all orders), and the
-error of the rest is drawn over the share removed: by the network's confidence, by the parallax in it alone, by the negative
-entropy of the softmax alone, and by an oracle that removes the worst pixels first. AUSE: area between a curve and the oracle's.
-Curves are means over validation windows, as in `egofocus eval`.
+error of the rest is drawn over the share removed: by
+    confidence  the network's own: P m / (m + 1 px), m the parallax of the estimate
+    spread      m / (m + s + 1 px), s the softmax's standard deviation, as a parallax
+    parallax    m alone
+    entropy     of the softmax alone, the smaller the better
+    oracle      removes the worst pixels first
+AUSE: area between a curve and the oracle's. Curves are means over validation windows, as in `egofocus eval`.
 """
 import argparse
 import json
@@ -19,13 +23,12 @@ from .evaluate import load_network, validation_samples
 from .journal import Progress, draw_curves
 from .machine import keep_freed_memory
 from .metrics import SETS, depth_of, enlarge, pixel_sets
-from .model.regression import confidence, distribution
+from .model.regression import distribution
 from .windows import network_inputs, sample_facts
 
 STEPS = 20  # shares removed: k / STEPS
 METRICS = ("abs_rel", "rmse_log")
-_ENDLESS_PX = 1e9
-WAYS = ("confidence", "parallax", "entropy", "oracle")
+WAYS = ("confidence", "spread", "parallax", "entropy", "oracle")
 
 
 def curve(values, trust):
@@ -58,8 +61,11 @@ def trusts_of(network, facts, config):
     inputs = collate([network_inputs(facts, config.network.order)])
     prediction = network(inputs)
     p = distribution(prediction.scores, inputs["used"])
-    mass = confidence(p, prediction.index_4, torch.full_like(prediction.index_4, _ENDLESS_PX))
-    trusts = {"confidence": prediction.confidence, "parallax": prediction.confidence / mass.clamp(min=1e-6),
+    index, step_px = prediction.index_4, prediction.step_px
+    k = torch.arange(p.shape[1])[None, :, None, None]
+    spread = torch.sqrt((p * (k - index[:, None]) ** 2).sum(1))
+    moved = index * step_px
+    trusts = {"confidence": prediction.confidence, "spread": moved / (moved + spread * step_px + 1), "parallax": moved,
               "entropy": (p * torch.log(p.clamp(min=1e-12))).sum(1)}
     width, height = facts["grid"][:2]
 

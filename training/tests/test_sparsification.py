@@ -58,7 +58,7 @@ def test_nothing_removed_is_the_evaluation(trained):
             assert r["curves"][way][0] == pytest.approx(figures[r["set"]][r["metric"]])
             assert all(mine >= oracle - 1e-12 for mine, oracle in zip(r["curves"][way], r["curves"]["oracle"]))
             assert way == "oracle" or r["ause"][way] == pytest.approx(r["areas"][way] - r["areas"]["oracle"])
-    assert len({round(rows[0]["areas"][way], 9) for way in WAYS}) == len(WAYS)  # four different orders
+    assert len({round(rows[0]["areas"][way], 9) for way in WAYS}) == len(WAYS)  # all different orders
 
 
 def test_the_program(trained, monkeypatch, capsys):

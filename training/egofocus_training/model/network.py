@@ -24,6 +24,7 @@ class Prediction:
     index_4: torch.Tensor  # [B, h / 4, w / 4], before refinement
     index: torch.Tensor  # [B, h / 2, w / 2]
     confidence: torch.Tensor  # [B, h / 4, w / 4] 0..1
+    step_px: torch.Tensor  # [B, h / 4, w / 4] how far one hypothesis moves a cell
 
 
 class FocusNetwork(nn.Module):
@@ -60,7 +61,7 @@ class FocusNetwork(nn.Module):
         index = self.refinement(index_4, inputs["half"], features, inputs["used"])
         with torch.no_grad():
             trust = confidence(p, index_4, context[:, -2])
-        return Prediction(scores, coarse, index_4, index, trust)
+        return Prediction(scores, coarse, index_4, index, trust, context[:, -2])
 
     def one_scale(self):
         """Lists of Bytes that share a scale."""

@@ -98,9 +98,11 @@ class RecurrentNetwork(nn.Module):
         p = distribution(scores, inputs["used"])
         index_4 = expected_index(p)
         index = self.refined(index_4, self.guide(b4), stem[-1], inputs["used"])
+        coarse = self.coarse_head(b8) if self.training else None
         with torch.no_grad():
-            trust = confidence(p, index_4, step_px(motion.mean(0), rays[..., ::2, ::2]))
-        return Prediction(scores, self.coarse_head(b8) if self.training else None, index_4, index, trust)
+            moved_px = step_px(motion.mean(0), rays[..., ::2, ::2])
+            trust = confidence(p, index_4, moved_px)
+        return Prediction(scores, coarse, index_4, index, trust, moved_px)
 
     def refined(self, index_4, guide, stem, used):
         start = twice_as_large(index_4[:, None], stem)
