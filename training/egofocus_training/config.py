@@ -34,7 +34,7 @@ class InputConfig:
 
 @dataclass
 class NetworkConfig:
-    order: str = "focus_first"  # or "published"; "recurrent": [recurrent] in place of what stands below
+    order: str = "focus_first"  # or "published"; "recurrent": [recurrent] in place of all but `regression`
     cost_channels: int = 4  # per hypothesis, after focus cost discrimination; 0: the maps as they come
     cost_hidden: int = 8  # between its two convolutions; 0: one convolution
     ihca_blocks: int = 0
@@ -44,7 +44,7 @@ class NetworkConfig:
     stem: int = 32  # published order: channels of the stem at 1/2
     refine_width: int = 16
     refine_dilations: list = field(default_factory=lambda: [1, 2, 4, 1])
-    regression_window: int = 0  # hypotheses on either side of the best that count; 0: all
+    regression: str = "median"  # weighted; or "expectation"
 
 
 @dataclass
@@ -182,6 +182,7 @@ def _check(config, where):
         need(name in ("gradient", "gradient_x", "gradient_y", "squares") and side in ("1", "3", "5", "7"),
              f"[input] maps: `{entry}` is not gradient, gradient_x, gradient_y or squares with :1 :3 :5 :7")
     need(n.order in ("focus_first", "published", "recurrent"), "[network] order: focus_first, published or recurrent")
+    need(n.regression in ("median", "expectation"), "[network] regression: median or expectation")
     need(n.cost_channels > 0 or n.order != "published", "[network] cost_channels: the published order needs some")
     need(min(n.cost_channels, n.cost_hidden, n.ihca_blocks) >= 0, "[network] channels and blocks are not negative")
     need(len(n.widths) == 3 and len(n.blocks) == 3 and len(n.up_blocks) == 2,

@@ -5,5 +5,5 @@ from .recurrent import RecurrentNetwork
 
 def network_of(config):
     if config.network.order == "recurrent":
-        return RecurrentNetwork(config.input, config.recurrent)
+        return RecurrentNetwork(config.input, config.recurrent, config.network.regression == "median")
     return FocusNetwork(config.input, config.network)

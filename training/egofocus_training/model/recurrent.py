@@ -14,7 +14,7 @@ from ..voxels import MOTIONS, STEP
 from .bytes import ConvBnRelu
 from .layers import Residual, UpSum, twice_as_large
 from .network import Prediction
-from .regression import confidence, distribution, expected_index
+from .regression import confidence, distribution, expected_index, median_index
 
 _GUIDE = 4
 
@@ -59,9 +59,10 @@ class RecurrentNetwork(nn.Module):
     """Inputs, a dict of tensors: slices int8 [B, T, bins, h, w], motion float [B, T, 8], rays float [B, 2, h/2, w/2] (voxels.py),
     used int64 [B]: hypotheses of the ladder."""
 
-    def __init__(self, input_config, config):
+    def __init__(self, input_config, config, median):
         super().__init__()
         self.hypotheses = depth = input_config.hypotheses
+        self.median = median
         w4, w8, w16 = config.widths
         self.stem = ConvBnRelu(config.bins, config.stem, stride=2)
         self.at_4 = RecurrentLevel(config.stem + MOTIONS + 2, w4)
@@ -96,7 +97,7 @@ class RecurrentNetwork(nn.Module):
         b4 = self.block_4(self.join_4(states_4[-1], self.narrow_8(b8)))
         scores = self.head(b4)
         p = distribution(scores, inputs["used"])
-        index_4 = expected_index(p)
+        index_4 = median_index(p, inputs["used"]) if self.median else expected_index(p)
         index = self.refined(index_4, self.guide(b4), stem[-1], inputs["used"])
         coarse = self.coarse_head(b8) if self.training else None
         with torch.no_grad():
