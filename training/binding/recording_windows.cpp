@@ -68,11 +68,16 @@ std::uint64_t RecordingWindows::drain(std::int64_t tick_us) {
   };
   take(rings_.ends.events, [this](const Event& event) {
     if (stack_.add(event)) kept_.push_back(event);
+    forget_before(event.t_us - folder_.camera.config.window.max_age_us);
   });
   take(rings_.ends.imu, [this](const ImuSample& sample) { ego_motion_->add(sample); });
   take(rings_.ends.odometry, [this](const OdometrySample& sample) { ego_motion_->add(sample); });
   take(rings_.ends.poses, [this](const PoseSample& sample) { ego_motion_->add(sample); });
   return taken;
+}
+
+void RecordingWindows::forget_before(std::int64_t t_us) {
+  while (!kept_.empty() && kept_.front().t_us < t_us) kept_.pop_front();
 }
 
 bool RecordingWindows::tick(std::int64_t tick_us) {
@@ -90,7 +95,7 @@ bool RecordingWindows::tick(std::int64_t tick_us) {
   tick_us_ = tick_us;
   ego_motion_->advance(tick_us);
   const std::int64_t longest_us = tick_us - folder_.camera.config.window.max_age_us;
-  while (!kept_.empty() && kept_.front().t_us < longest_us) kept_.pop_front();
+  forget_before(longest_us);
   return stack_.run(std::max(longest_us, ego_motion_->earliest_us()), tick_us,
                     [this](std::int64_t begin_us, std::int64_t end_us, MotionTrack& out) {
                       return ego_motion_->track(begin_us, end_us, out);

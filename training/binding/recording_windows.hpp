@@ -43,6 +43,7 @@ class RecordingWindows {
     Inlets::Rings ends;
   };
   std::uint64_t drain(std::int64_t tick_us);
+  void forget_before(std::int64_t t_us);
 
   recording::Folder folder_;
   std::unique_ptr<CanMotionDecoder> can_motion_;

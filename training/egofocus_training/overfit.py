@@ -1,7 +1,7 @@
 """python3 -m egofocus_training.overfit --config FILE [--samples 64] [--steps 400] [--json]: can the network learn at all?
 
-Trains on a few samples, in floats and without augmentation, and says how well it knows them: Abs.Rel near 0 shows that inputs, targets,
-loss and network belong together. What it learns is thrown away.
+Trains on a few samples, in floats and without augmentation, and says how well it knows them: Abs.Rel near 0 shows that inputs,
+targets, loss and network belong together. What it learns is thrown away.
 """
 import argparse
 import json

@@ -2,7 +2,8 @@
 
 The window is cut into T slices of equal time, each with B bins. An event of polarity s = +-1 at pixel x gives
     V(b, x) += s max(0, 1 - |b - (B - 1) r|)        r: its place in the slice, 0..1
-at the pixel of the grid that its undistorted ray is nearest to. As bytes: V / sd of the window's values other than 0, in steps of 1/16.
+at the pixel of the grid that its undistorted ray is nearest to. As bytes: V / sd in steps of 1/16, sd over the window's values
+other than 0.
 """
 import numpy as np
 
