@@ -164,7 +164,7 @@ def test_shapes(size):
     assert prediction.coarse.shape == (2, 16, -(-height // 8), -(-width // 8))
     assert prediction.index.shape == (2, -(-height // 2), -(-width // 2))
     assert prediction.confidence.shape == prediction.index_4.shape == (2, -(-height // 4), -(-width // 4))
-    (prediction.index.sum() + prediction.coarse.sum()).backward()
+    (prediction.scores.sum() + prediction.index.sum() + prediction.coarse.sum()).backward()
     assert [name for name, p in network.named_parameters() if p.grad is None] == []
 
 
@@ -233,7 +233,7 @@ def test_maps_of_a_recording_and_what_is_refused(folder, tmp_path, monkeypatch, 
     assert maps.main() == 0
     found = {path.name for path in (tmp_path / "out" / "planes").glob("*.png")}
     assert found == {path.name for path in (PLANES / "depth").glob("*.png")} and f"{len(found)} maps" in capsys.readouterr().out
-    assert len(np.unique(np.asarray(Image.open(tmp_path / "out" / "planes" / "000000700000.png")))) > 10
+    assert len(np.unique(np.asarray(Image.open(tmp_path / "out" / "planes" / "000000700000.png")))) > 3
     monkeypatch.setattr("sys.argv", [*arguments, "--integer", str(PLANES)])
     with pytest.raises(TrainingError, match="has no integers") as caught:
         maps.main()
