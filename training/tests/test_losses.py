@@ -30,7 +30,7 @@ def test_the_whole():
     batch = {"used": torch.tensor([4]), "label": label, "index_4": torch.full((1, 2, 2), 1.0),
              "weight_4": torch.tensor([[[1.0, 0], [0, 0]]]), "index_2": torch.full((1, 4, 4), 2.0),
              "weight_2": torch.ones(1, 4, 4)}
-    prediction = Prediction(scores, torch.zeros(1, 4, 1, 1), torch.full((1, 2, 2), 3.0), torch.full((1, 4, 4), 2.0), None)
+    prediction = Prediction(scores, torch.zeros(1, 4, 1, 1), torch.full((1, 2, 2), 3.0), torch.full((1, 4, 4), 2.0), None, None)
     config = LossConfig(distribution=2.0, index=0.5, log_depth=3.0, log_floor=0.5, log_square=0.0, coarse=0.25)
     terms = {name: term.item() for name, term in loss_terms(prediction, batch, config).items()}
     assert terms == pytest.approx({"distribution": 2 * math.log(4), "index": 0.5 * 1.5, "log_depth": 3 * math.log(3.5 / 1.5),
