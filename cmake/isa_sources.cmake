@@ -11,7 +11,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
     list(APPEND EGOFOCUS_ISA_avx512 "-mno-fma")  # clang counts FMA as a part of AVX-512 and would switch off both
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-    list(APPEND EGOFOCUS_ISA_avx512 "-Wno-maybe-uninitialized")  # its own avx512fintrin.h trips over it
+    list(APPEND EGOFOCUS_ISA_avx512 "-Wno-maybe-uninitialized" "-Wno-uninitialized")  # its own avx512fintrin.h trips over it
   endif()
   set(EGOFOCUS_ISA_avx512vnni "${EGOFOCUS_ISA_avx512};-mavx512vnni")
 elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")

@@ -71,10 +71,9 @@ struct ConvBody {
   ConvLeaveFunction* leave;
 };
 
-inline ConvRuns conv_runs(const ConvU8S8& conv, std::int32_t group_inputs) noexcept {
+/// Each tap a run, or, with whole_rows, each row of taps.
+inline ConvRuns conv_taps(const ConvU8S8& conv, bool whole_rows = false) noexcept {
   const std::int64_t half = conv.side / 2 * conv.dilation;
-  const bool whole_rows = conv.side == 3 && conv.dilation == 1 &&
-                          conv.input_pixel_stride == conv.in_channels && conv.in_channels % group_inputs == 0;
   const std::int32_t across = whole_rows ? 1 : conv.side;
   ConvRuns runs{};
   runs.channels = whole_rows ? 3 * conv.in_channels : conv.in_channels;
@@ -86,6 +85,12 @@ inline ConvRuns conv_runs(const ConvU8S8& conv, std::int32_t group_inputs) noexc
     }
   }
   return runs;
+}
+
+inline ConvRuns conv_runs(const ConvU8S8& conv, std::int32_t group_inputs) noexcept {
+  return conv_taps(conv, conv.side == 3 && conv.dilation == 1 &&
+                             conv.input_pixel_stride == conv.in_channels &&
+                             conv.in_channels % group_inputs == 0);
 }
 
 struct ConvTileGroup {
