@@ -23,10 +23,12 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double time_of(const ConvU8S8& conv, ConvU8S8Function* run) {
+/// Seconds of one run, from as many as the clock needs.
+double time_of(const ConvLoad& load, ConvU8S8Function* run) {
+  const int repeats = 1 + static_cast<int>(1e8 / load.multiplications());
   const double start = thread_seconds();
-  run(conv);
-  return thread_seconds() - start;
+  for (int n = 0; n < repeats; ++n) run(load.conv());
+  return (thread_seconds() - start) / repeats;
 }
 
 void measure_layer(benchmark::State& state, ConvU8S8Function* run, ConvPacking packing,
@@ -34,7 +36,7 @@ void measure_layer(benchmark::State& state, ConvU8S8Function* run, ConvPacking p
   const ConvLoad load(layer, packing);
   double best_s = 1e9;
   for (auto _ : state) {
-    const double taken = time_of(load.conv(), run);
+    const double taken = time_of(load, run);
     best_s = std::min(best_s, taken);
     state.SetIterationTime(taken);
   }
@@ -53,7 +55,7 @@ void measure_all(benchmark::State& state, ConvU8S8Function* run, ConvPacking pac
   for (auto _ : state) {
     double taken = 0;
     for (std::size_t i = 0; i < loads.size(); ++i) {
-      for (std::int32_t n = 0; n < kConvLayers[i].times; ++n) taken += time_of(loads[i]->conv(), run);
+      taken += kConvLayers[i].times * time_of(*loads[i], run);
     }
     best_s = std::min(best_s, taken);
     state.SetIterationTime(taken);

@@ -99,7 +99,11 @@ void sums_of(const ConvBlock& block) noexcept {
 
 template <int kPixels, int kTiles>
 constexpr ConvBlockWidths widths() noexcept {
-  return {kPixels, sums_of<kPixels, kTiles>, sums_of<kPixels - 1, kTiles>, sums_of<kPixels / 2, kTiles>,
+  return {kPixels,
+          kPixels - 1,
+          sums_of<kPixels, kTiles>,
+          sums_of<kPixels - 1, kTiles>,
+          sums_of<kPixels / 2, kTiles>,
           sums_of<1, kTiles>};
 }
 
@@ -111,8 +115,9 @@ constexpr int kMostPixels = 2;  // 16 registers
 constexpr ConvBody kBody{
     kConvPacking_neon,
     4,
+    4,
     {widths<kMostPixels, 1>(), widths<kMostPixels, 2>(), widths<kMostPixels, 3>(), widths<kMostPixels, 4>()},
-    leave};
+    EGOFOCUS_LEAVE};
 
 }  // namespace
 
