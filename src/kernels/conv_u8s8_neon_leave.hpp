@@ -10,12 +10,13 @@ namespace egofocus {
 namespace {
 
 inline void store_part(std::uint8_t* to, uint8x8_t bytes, std::int32_t count) noexcept {
-  std::uint8_t all[8];
-  vst1_u8(all, bytes);
   if (count == 4) {
-    __builtin_memcpy(to, all, 4);
+    const std::uint32_t four = vget_lane_u32(vreinterpret_u32_u8(bytes), 0);
+    __builtin_memcpy(to, &four, 4);
     return;
   }
+  std::uint8_t all[8];
+  vst1_u8(all, bytes);
   for (std::int32_t i = 0; i < count; ++i) to[i] = all[i];
 }
 
@@ -31,6 +32,7 @@ inline void leave_8(int16x8_t r, const std::uint8_t* addend, std::uint8_t* out, 
   if constexpr (kEpilogue == ConvEpilogue::kScore) {
     const uint8x16_t bytes = vreinterpretq_u8_s16(r);
     if constexpr (kWhole) return vst1q_u8(out, bytes);
+    if (count == 1) return vst1q_lane_s16(reinterpret_cast<std::int16_t*>(out), r, 0);
     store_part(out, vget_low_u8(bytes), count < 4 ? 2 * count : 8);
     if (count > 4) store_part(out + 8, vget_high_u8(bytes), 2 * count - 8);
   } else {

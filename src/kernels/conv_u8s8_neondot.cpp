@@ -32,15 +32,15 @@ void sums_of(const ConvBlock& block) noexcept {
     for (int p = 0; p < kPixels; ++p) sums.acc[p][u] = vld1q_s32(block.bias + 4 * u);
   }
   const std::int8_t* weights = block.weights;
+  const std::int8_t* input[kPixels];
+  EGOFOCUS_UNROLL
+  for (int p = 0; p < kPixels; ++p) input[p] = with_sign(block.input + p * block.pixel_step);
   for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    const std::int8_t* input[kPixels];
-    EGOFOCUS_UNROLL
-    for (int p = 0; p < kPixels; ++p)
-      input[p] = with_sign(block.input + block.runs->offset[run] + p * block.pixel_step);
+    std::int64_t i = block.runs->offset[run];
+    const std::int64_t end = i + block.runs->channels;
+    const std::int64_t last = end - 16;
     int8x16_t x[kPixels];
-    const std::int64_t channels = block.runs->channels;
-    std::int64_t i = 0;
-    for (; i + 16 <= channels; i += 16) {
+    for (; i <= last; i += 16) {
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) x[p] = vld1q_s8(input[p] + i);
       EGOFOCUS_UNROLL
@@ -52,7 +52,7 @@ void sums_of(const ConvBlock& block) noexcept {
       }
       weights += 256;
     }
-    if (channels - i >= 8) {
+    if (end - i >= 8) {
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) x[p] = vcombine_s8(vld1_s8(input[p] + i), vdup_n_s8(0));
       add_group<0>(sums, x, weights);
@@ -60,7 +60,7 @@ void sums_of(const ConvBlock& block) noexcept {
       weights += 128;
       i += 8;
     }
-    if (channels - i >= 4) {
+    if (end - i >= 4) {
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) x[p] = vcombine_s8(four_bytes(input[p] + i), vdup_n_s8(0));
       add_group<0>(sums, x, weights);

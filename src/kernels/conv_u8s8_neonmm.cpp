@@ -45,17 +45,18 @@ void sums_of(const ConvBlock& block) noexcept {
     for (int p = 0; p < kPairs; ++p) sums.acc[p][o] = vcombine_s32(bias, bias);
   }
   const std::int8_t* weights = block.weights;
+  const std::int8_t* input[2 * kPairs];
+  EGOFOCUS_UNROLL
+  for (int p = 0; p < 2 * kPairs; ++p) {
+    const int pixel = p < kPixels ? p : kPixels - 1;
+    input[p] = with_sign(block.input + pixel * block.pixel_step);
+  }
   for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    const std::int8_t* input[2 * kPairs];
-    EGOFOCUS_UNROLL
-    for (int p = 0; p < 2 * kPairs; ++p) {
-      const int pixel = p < kPixels ? p : kPixels - 1;
-      input[p] = with_sign(block.input + block.runs->offset[run] + pixel * block.pixel_step);
-    }
-    const std::int64_t channels = block.runs->channels;
-    std::int64_t i = 0;
+    std::int64_t i = block.runs->offset[run];
+    const std::int64_t end = i + block.runs->channels;
+    const std::int64_t last = end - 16;
     int8x16_t low[kPairs];
-    for (; i + 16 <= channels; i += 16) {
+    for (; i <= last; i += 16) {
       int8x16_t high[kPairs];
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPairs; ++p) {
@@ -71,7 +72,7 @@ void sums_of(const ConvBlock& block) noexcept {
       }
       weights += 256;
     }
-    if (channels - i >= 8) {
+    if (end - i >= 8) {
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPairs; ++p)
         low[p] = vcombine_s8(vld1_s8(input[2 * p] + i), vld1_s8(input[2 * p + 1] + i));
@@ -79,7 +80,7 @@ void sums_of(const ConvBlock& block) noexcept {
       weights += 128;
       i += 8;
     }
-    if (channels - i >= 4) {
+    if (end - i >= 4) {
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPairs; ++p)
         low[p] = vcombine_s8(four_bytes(input[2 * p] + i), four_bytes(input[2 * p + 1] + i));
