@@ -73,8 +73,8 @@ class IntegerModel:
     """network: a FocusNetwork that rounds (quantisation.py), order focus_first, without IHCA."""
 
     def __init__(self, network):
-        if network.published or len(network.ihca) or not network.aggregation.head.active:
-            raise ValueError("an integer model is made of a quantised network of order focus_first, without IHCA")
+        if network.published or len(network.ihca) or not network.median or not network.aggregation.head.active:
+            raise ValueError("an integer model is made of a quantised network of order focus_first, without IHCA, with a median")
         a, r = network.aggregation, network.refinement
         self.hypotheses = network.hypotheses
         focus_scale, cost_scale = FOCUS, float(network.cost_scale())
@@ -141,7 +141,12 @@ class IntegerModel:
         below = scores[:used].max(0) - scores[:used]
         p = EXP[np.minimum(below, len(EXP) - 1)]
         total = p.sum(0)
-        index = ((np.arange(used)[:, None, None] * p).sum(0) * 256 + total // 2) // total
+        weight = p * (8 * np.arange(used)[:, None, None] + 1)
+        below = weight.cumsum(0)
+        best = (2 * below < below[-1]).sum(0)
+        own = np.take_along_axis(weight, best[None], 0)[0]
+        rest = below[-1] - 2 * (np.take_along_axis(below, best[None], 0)[0] - own)
+        index = np.clip(256 * best - 128 + (256 * rest + own) // (2 * own), 0, 256 * (used - 1))
         nearest = (index + 128) >> 8
         mass = np.zeros_like(total)
         for offset in (-1, 0, 1):

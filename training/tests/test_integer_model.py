@@ -135,12 +135,24 @@ def test_regression_by_hand():
     scores = np.array([0, 32, 64, 1000]).reshape(4, 1, 1)  # the fourth is no hypothesis of this ladder
     index, trust = IntegerModel._regression(scores, 3, np.full((1, 1), ZERO + 32))
     p = np.exp([0.0, 1.0, 2.0])
-    mean = (p * [0, 1, 2]).sum() / p.sum()
-    assert abs(index[0, 0] - 256 * mean) <= 0.51
-    moved = mean * 1.0  # 32 bytes above zero: 1 px a hypothesis
+    w = p * [1, 9, 17]
+    median = 1.5 + (w.sum() / 2 - w[0] - w[1]) / w[2]
+    assert abs(index[0, 0] - 256 * median) <= 0.51
+    moved = median * 1.0  # 32 bytes above zero: 1 px a hypothesis
     near = p[1:].sum() / p.sum()  # hypotheses 1, 2 and no third
     assert abs(trust[0, 0] - 255 * near * moved / (moved + 1)) <= 1.1
     assert IntegerModel._regression(scores, 3, np.full((1, 1), ZERO))[1][0, 0] == 0
+
+
+def test_one_of_two_depths_is_taken_and_the_ladders_ends_are_kept():
+    step = np.full((1, 1), ZERO + 32)
+    two = np.array([0, 96, 0, 0, 0, 0, 90, 0]).reshape(8, 1, 1)  # the nearer one is a little less likely
+    index, _ = IntegerModel._regression(two, 8, step)
+    assert abs(index[0, 0] - 256 * 6) < 128
+    for at, end in ((0, 0), (7, 256 * 7)):
+        sure = np.zeros((8, 1, 1), int)
+        sure[at] = 800
+        assert IntegerModel._regression(sure, 8, step)[0][0, 0] == end
 
 
 def test_weights_round_to_int8_with_a_scale_for_each_output():
