@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/elementary.hpp"
 #include "support/arena_block.hpp"
 #include "support/engine_in_block.hpp"
 #include "support/frame_hash.hpp"
@@ -86,14 +87,14 @@ class Walk {
     for (std::int64_t t = until_us - kPeriod_us + 5000; t <= until_us; t += 5000) {
       // Right is right of the turned camera, so that speed is speed.
       roll_rad_ += rate_rad_s * 0.005;
-      position_m_[0] += speed_m_s * 0.005 * std::cos(roll_rad_);
-      position_m_[1] += speed_m_s * 0.005 * std::sin(roll_rad_);
+      position_m_[0] += speed_m_s * 0.005 * cosine(roll_rad_);
+      position_m_[1] += speed_m_s * 0.005 * sine(roll_rad_);
       PoseSample pose;
       pose.t_us = t;
       pose.position_m[0] = position_m_[0];
       pose.position_m[1] = position_m_[1];
-      pose.orientation_xyzw[2] = std::sin(roll_rad_ / 2);
-      pose.orientation_xyzw[3] = std::cos(roll_rad_ / 2);
+      pose.orientation_xyzw[2] = sine(roll_rad_ / 2);
+      pose.orientation_xyzw[3] = cosine(roll_rad_ / 2);
       engine_->inlets().push({&pose, 1});
     }
     REQUIRE(engine_->tick());
@@ -109,12 +110,6 @@ class Walk {
   double roll_rad_ = 0;
   double position_m_[2] = {0, 0};
 };
-
-Config walk_config() {
-  Config config = SlidingScene::config();
-  config.window.max_age_us = 200'000;
-  return config;
-}
 
 std::size_t known(const DepthFrame& frame) {
   return frame.confidence.size() -
@@ -145,7 +140,9 @@ TEST_CASE("each limit of carrying has its range") {
 TEST_CASE("seven bytes per pixel, and none where nothing is carried") {
   Arena on;
   const CarriedDepth carried({}, {346, 260, 226, 226, 173, 130}, on);
-  CHECK(on.used_bytes() == 346 * 260 * 7 + 64 - 346 * 260 * 7 % 64 + 64 - 64);
+  const auto lines = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
+  constexpr std::size_t pixels = 346 * 260;
+  CHECK(on.used_bytes() == lines(2 * pixels) + lines(pixels) + lines(4 * pixels));
   Arena off;
   CarriedDepth nothing({0, 0.5, 0.1}, kGrid, off);
   CHECK(off.used_bytes() == 0);
@@ -168,8 +165,8 @@ TEST_CASE("at a standstill depth stays as it is, and confidence falls evenly to 
     CHECK(shown.frame.inverse_depth_scale_per_m == 1e-3);
     CHECK(shown.inverse_depth == kept.inverse_depth);
     const double expected = 255 * (1 - static_cast<double>(age_us) / 2e6);
-    CHECK(shown.confidence[77] == Approx(expected).margin(1.01));
-    CHECK(shown.confidence[77] >= 1);
+    CHECK(static_cast<double>(shown.confidence[77]) >= expected);
+    CHECK(static_cast<double>(shown.confidence[77]) <= expected + 2);
   }
   CHECK(carried.kept());
   CHECK_FALSE(show(carried, still(1'000'000, 2'990'000)).any);
@@ -206,13 +203,14 @@ TEST_CASE("carrying ends out of the picture, comes back with it, and ends where 
   carried.follow(moving(1'000'000, 1'200'000, 0.6, 0));
   CHECK(show(carried, moving(1'200'000, 1'400'000, -0.6, 0)).any);
   carried.follow(moving(1'200'000, 1'400'000, -0.6, 0));
-  // Of depths 10 m down to 1.15 m, those beyond twice the way are left: rho < 1 / (2 way).
+  // Of depths 10 m down to 1.15 m, those beyond twice the way are left: rho < 1 / (2 way). Some leave the
+  // picture besides, as it grows.
   double last = 1e9;
-  for (const double way_m : {0.1, 0.7, 1.0, 1.3, 1.6}) {
+  for (const double way_m : {0.1, 0.5, 0.9, 2.0, 3.0}) {
     const Shown shown = show(carried, moving(1'400'000, 1'500'000, 0, way_m));
     const double share = std::min(1.0, (1000 / (2 * way_m) - 100) / kPixels);
     INFO("way " << way_m << ", share of pixels left " << share);
-    if (std::abs(share - 0.3) > 0.05) CHECK(shown.any == (share > 0.3));
+    CHECK(shown.any == (share > 0.3));
     if (!shown.any) continue;
     double sum = 0;
     for (const std::uint8_t c : shown.confidence) sum += c;
@@ -225,7 +223,7 @@ TEST_CASE("carrying ends out of the picture, comes back with it, and ends where 
 }
 
 TEST_CASE("a robot that stops goes on seeing what it saw, and says that it does not measure") {
-  Walk walk(walk_config());
+  Walk walk(SlidingScene::config());
   DepthFrame measured;
   for (int i = 0; i < 8; ++i) measured = walk.tick(0.5);
   REQUIRE(measured.flags == 0);
@@ -258,11 +256,11 @@ TEST_CASE("a robot that stops goes on seeing what it saw, and says that it does 
   CHECK(health.state == RunState::kDegraded);
   CHECK(health.cause == Cause::kNoParallax);
   CHECK(health.ticks.carried == 42);
-  CHECK(health.ticks.no_parallax == 42);
+  CHECK(health.ticks.no_parallax == 43);  // and the first, of one pose
 }
 
 TEST_CASE("a robot that stops and turns about its optical axis sees its depth turn with it") {
-  Walk walk(walk_config());
+  Walk walk(SlidingScene::config());
   for (int i = 0; i < 8; ++i) walk.tick(0.5);
   DepthFrame frame;
   for (int i = 0; i < 6; ++i) frame = walk.tick(0);
@@ -282,7 +280,7 @@ TEST_CASE("a robot that stops and turns about its optical axis sees its depth tu
 }
 
 TEST_CASE("too few events: carried as long as a frame with enough is kept; else measured") {
-  Config config = walk_config();
+  Config config = SlidingScene::config();
   config.window.min_events = 600;  // of 500 per tick and 2000 in the window
   Walk walk(config);
   CHECK((walk.tick(0.5).flags & kCarried) == 0);
@@ -307,7 +305,7 @@ TEST_CASE("too few events: carried as long as a frame with enough is kept; else 
 }
 
 TEST_CASE("switched off, a standstill is blank as ever") {
-  Config config = walk_config();
+  Config config = SlidingScene::config();
   config.carry.max_age_us = 0;
   Walk walk(config);
   for (int i = 0; i < 8; ++i) walk.tick(0.5);
@@ -322,7 +320,7 @@ TEST_CASE("switched off, a standstill is blank as ever") {
 TEST_CASE("carried bytes are the same for any number of threads, and from run to run") {
   std::uint64_t hash[4];
   for (const int i : {0, 1, 2, 3}) {
-    Config config = walk_config();
+    Config config = SlidingScene::config();
     config.threads = i == 0 ? 1 : i;
     Walk walk(config);
     test::FrameHash sum;
@@ -332,5 +330,5 @@ TEST_CASE("carried bytes are the same for any number of threads, and from run to
   }
   for (const int i : {1, 2, 3}) CHECK(hash[i] == hash[0]);
   INFO(std::hex << hash[0]);
-  CHECK(hash[0] == 0);
+  CHECK(hash[0] == 0xe4b5c5250a8767d7u);
 }
