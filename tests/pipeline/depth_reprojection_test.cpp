@@ -119,9 +119,9 @@ bool plausible(const Scene& scene, const Camera& camera, std::int32_t x, std::in
                double slack_px) {
   double least = 1e9;
   double most = 0;
-  for (const double v : {y - slack_px, y + 0.0, y + slack_px}) {
-    for (const double u : {x - slack_px, x + 0.0, x + slack_px}) {
-      const double rho = scene.rho(camera, u, v) / kScale_per_m;
+  for (int j = -4; j <= 4; ++j) {
+    for (int i = -4; i <= 4; ++i) {
+      const double rho = scene.rho(camera, x + i * slack_px / 4, y + j * slack_px / 4) / kScale_per_m;
       least = std::min(least, rho);
       most = std::max(most, rho);
     }
