@@ -48,6 +48,11 @@ CarriedDepth::CarriedDepth(const CarryConfig& config, const Intrinsics& grid, Ar
 
 void CarriedDepth::keep(const DepthFrame& frame, std::int64_t newest_event_us) noexcept {
   if (config_.max_age_us == 0) return;
+  if (kept_) {
+    const double freshness =
+        1.0 - static_cast<double>(newest_event_us - newest_event_us_) / static_cast<double>(kStrongerFor_us);
+    if (frame.parallax_px < parallax_px_ * freshness) return;
+  }
   EGOFOCUS_CHECK(frame.inverse_depth.size() == inverse_depth_.size());
   known_px_ = 0;
   for (std::size_t i = 0; i < inverse_depth_.size(); ++i) {
@@ -55,6 +60,7 @@ void CarriedDepth::keep(const DepthFrame& frame, std::int64_t newest_event_us) n
     confidence_[i] = frame.confidence[i];
     known_px_ += confidence_[i] != 0 ? 1 : 0;
   }
+  parallax_px_ = frame.parallax_px;
   scale_per_m_ = frame.inverse_depth_scale_per_m;
   flags_ = frame.flags;
   newest_event_us_ = newest_event_us;

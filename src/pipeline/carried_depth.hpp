@@ -16,13 +16,17 @@ namespace egofocus {
 /// Thread: the tick's. RT: yes, but check() and the constructor.
 class CarriedDepth {
  public:
+  static constexpr std::int64_t kStrongerFor_us = 2'000'000;
+
   static Status check(const CarryConfig& config) noexcept;
 
   /// Takes 7 bytes per pixel of the grid from the arena; nothing where max_age_us is 0, and then nothing is
   /// ever kept. Precondition: check(config) is ok.
   CarriedDepth(const CarryConfig& config, const Intrinsics& grid, Arena& arena) noexcept;
 
-  /// Copies a measured frame, in place of the one before. newest_event_us: what its age counts from.
+  /// Copies a measured frame, in place of the one before; but the last ticks before a standstill have the
+  /// least parallax: a frame with more of it stays until it has aged, by so much less for each moment up to
+  /// kStrongerFor_us. newest_event_us: what its age counts from.
   void keep(const DepthFrame& frame, std::int64_t newest_event_us) noexcept;
   /// For a break in the motion: where the camera is now, seen from the kept frame, is not known.
   void drop() noexcept { kept_ = false; }
@@ -51,6 +55,7 @@ class CarriedDepth {
   std::span<std::uint8_t> confidence_;
   std::span<std::uint32_t> landed_;
   double scale_per_m_ = 0;
+  double parallax_px_ = 0;
   std::size_t known_px_ = 0;
   std::uint32_t flags_ = 0;
   std::int64_t newest_event_us_ = 0;

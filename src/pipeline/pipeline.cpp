@@ -65,7 +65,7 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   dropped_before_ = ring_dropped_;
 
   // 3. Where nothing can be measured well: the last measured depth, seen from here.
-  if (!has_motion) carried_.drop();
+  follow(has_motion, tick_us);
   const bool has_stack = has_motion && ladder.has_parallax && selection.count > 0;
   const bool carried = (!has_stack || (too_few && !carried_.few_events())) && carry(tick_us, out);
 
@@ -109,19 +109,24 @@ bool Pipeline::track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t
   return ego_motion_->track(begin_us, tick_us, *track_);
 }
 
-bool Pipeline::carry(std::int64_t tick_us, FrameSlot& out) noexcept {
-  if (!carried_.kept()) return false;
-  // What the newest samples say stays; what is only held beyond them is for this tick alone.
+// What the newest samples say of the way since the kept depth stays; what is only held beyond them is for one
+// tick alone, in carry().
+void Pipeline::follow(bool has_motion, std::int64_t tick_us) noexcept {
+  if (!has_motion) carried_.drop();
+  if (!carried_.kept()) return;
   const std::int64_t followed_us = carried_.followed_us();
   const std::int64_t newest_us = ego_motion_->newest_us() < tick_us ? ego_motion_->newest_us() : tick_us;
-  if (newest_us > followed_us) {
-    if (track(followed_us, followed_us, newest_us)) {
-      carried_.follow(*track_);
-    } else {
-      carried_.drop();
-    }
+  if (newest_us <= followed_us) return;
+  if (track(followed_us, followed_us, newest_us)) {
+    carried_.follow(*track_);
+  } else {
+    carried_.drop();
   }
-  return carried_.kept() && track(carried_.followed_us(), carried_.followed_us(), tick_us) &&
+}
+
+bool Pipeline::carry(std::int64_t tick_us, FrameSlot& out) noexcept {
+  const std::int64_t followed_us = carried_.followed_us();
+  return carried_.kept() && track(followed_us, followed_us, tick_us) &&
          carried_.show(*track_, out.frame, out.inverse_depth, out.confidence);
 }
 

@@ -59,7 +59,9 @@ class Pipeline {
   /// The motion from begin_us to the tick into `track_`; false where it is not known. oldest_us: as far back
   /// as this tick looks.
   bool track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept;
-  /// The last measured depth as seen at the tick; false where there is none.
+  /// Keeps up with the way since the kept depth, or drops it where the motion is not known.
+  void follow(bool has_motion, std::int64_t tick_us) noexcept;
+  /// The kept depth as seen at the tick; false where there is none.
   bool carry(std::int64_t tick_us, FrameSlot& out) noexcept;
   void blank(FrameSlot& out) noexcept;
   void conclude(const DepthFrame& frame) noexcept;
