@@ -66,7 +66,8 @@ Json tick_facts(const TickCounters& t) {
       .add("no_parallax", t.no_parallax)
       .add("too_few_events", t.too_few_events)
       .add("stale_velocity", t.stale_velocity)
-      .add("no_motion", t.no_motion);
+      .add("no_motion", t.no_motion)
+      .add("carried", t.carried);
 }
 
 Json file_facts(const recording::Replay& replay) {
@@ -124,8 +125,8 @@ std::uint64_t frame_hash(const DepthFrame& frame) noexcept {
 }
 
 std::string flags_text(std::uint32_t flags) {
-  constexpr const char* kNames[] = {"no_parallax", "too_few_events", "stale_velocity",
-                                    "no_motion",   "overload",       "late_tick"};
+  constexpr const char* kNames[] = {"no_parallax", "too_few_events", "stale_velocity", "no_motion",
+                                    "overload",    "late_tick",      "carried"};
   std::string text;
   for (std::size_t i = 0; i < std::size(kNames); ++i) {
     if (flags & (1u << i)) text += (text.empty() ? "" : "+") + std::string(kNames[i]);

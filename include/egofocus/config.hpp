@@ -38,7 +38,7 @@ struct LadderConfig {
 
 struct WindowConfig {
   std::int32_t max_events = 80000;  ///< more are decimated evenly, deterministically
-  std::int32_t min_events = 2000;   ///< fewer: kTooFewEvents (the depth is still given)
+  std::int32_t min_events = 2000;   ///< fewer: kTooFewEvents; depth is carried, or else measured all the same
   std::int64_t max_age_us = 1000000;  ///< 1000..1000000; slow motion needs long windows for its parallax
 };
 
@@ -104,6 +104,16 @@ struct FocusConfig {
   std::int32_t min_support_events = 8;
 };
 
+/// What a tick shows that cannot measure (no parallax, or too few events): the last depth measured with
+/// enough events, seen from where the camera is now by the measured motion, with kCarried. It is right as
+/// long as the world stands still. Confidence falls evenly with age, and per pixel with the camera's way over
+/// its depth.
+struct CarryConfig {
+  std::int64_t max_age_us = 30'000'000;  ///< 0..600 s; older is not shown; 0: nothing is carried
+  double max_travel = 0.5;   ///< 0.01..1; pixels nearer than the camera's way divided by this: no estimate
+  double min_in_view = 0.1;  ///< 0..1; with a smaller share of the measured pixels in view: no depth at all
+};
+
 enum class Backend : std::uint8_t { kFocus };
 
 /// How a noise of so many percent is read.
@@ -159,6 +169,7 @@ struct Config {
   FilterConfig filter;
   MotionConfig motion;
   FocusConfig focus;
+  CarryConfig carry;
   RateConfig rate;
   RingConfig rings;
   RealTimeConfig real_time;

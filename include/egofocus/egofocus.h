@@ -46,7 +46,8 @@ typedef enum egofocus_status_code {
   EGOFOCUS_MISSING_SIGNAL,
   EGOFOCUS_THREAD,  /* value = errno */
   EGOFOCUS_IO,      /* value = errno */
-  EGOFOCUS_BAD_TICK /* value = the time asked for, bound = the one it passed */
+  EGOFOCUS_BAD_TICK, /* value = the time asked for, bound = the one it passed */
+  EGOFOCUS_BAD_CARRY
 } egofocus_status_code;
 
 typedef struct egofocus_status {
@@ -128,6 +129,12 @@ typedef struct egofocus_focus {
   int32_t cost, support_cells, smoothing, min_support_events;
 } egofocus_focus;
 
+typedef struct egofocus_carry { /* depth shown where nothing can be measured: the last measured, moved */
+  int64_t max_age_us;           /* 0: nothing is carried */
+  double max_travel;            /* 0.01..1 */
+  double min_in_view;           /* 0..1 */
+} egofocus_carry;
+
 typedef struct egofocus_rate {
   double rate_hz; /* 0.1..1000 */
   int64_t lateness_us;
@@ -158,6 +165,7 @@ typedef struct egofocus_config {
   egofocus_filter filter;
   egofocus_motion motion;
   egofocus_focus focus;
+  egofocus_carry carry;
   egofocus_rate rate;
   egofocus_rings rings;
   egofocus_real_time real_time;
@@ -211,7 +219,8 @@ enum { /* bits of egofocus_depth_frame.flags */
        EGOFOCUS_FLAG_STALE_VELOCITY = 4,
        EGOFOCUS_FLAG_NO_MOTION = 8,
        EGOFOCUS_FLAG_OVERLOAD = 16,
-       EGOFOCUS_FLAG_LATE_TICK = 32
+       EGOFOCUS_FLAG_LATE_TICK = 32,
+       EGOFOCUS_FLAG_CARRIED = 64
 };
 typedef struct egofocus_depth_frame {
   int64_t t_us, age_us, latency_us;
@@ -242,7 +251,7 @@ typedef struct egofocus_window_counters {
   uint64_t outside_motion, decimated, behind_camera;
 } egofocus_window_counters;
 typedef struct egofocus_tick_counters {
-  uint64_t run, late, skipped, no_parallax, too_few_events, stale_velocity, no_motion;
+  uint64_t run, late, skipped, no_parallax, too_few_events, stale_velocity, no_motion, carried;
 } egofocus_tick_counters;
 
 enum { EGOFOCUS_WAITING, EGOFOCUS_RUNNING, EGOFOCUS_DEGRADED, EGOFOCUS_STALLED };

@@ -64,6 +64,7 @@ struct TickCounters {
   std::uint64_t too_few_events = 0;
   std::uint64_t stale_velocity = 0;
   std::uint64_t no_motion = 0;
+  std::uint64_t carried = 0;  ///< of no_parallax and too_few_events: the last measured depth was shown
 };
 
 /// What the system refused at start(); the engine runs without it, with worse worst-case latency.

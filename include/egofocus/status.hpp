@@ -34,6 +34,7 @@ enum class StatusCode : std::uint8_t {
   kThread,         ///< the system refused a thread or its pinning; value = errno
   kIo,             ///< the system refused I/O; value = errno
   kBadTick,        ///< a tick at a time that cannot be; value = the time, bound = the one it passed
+  kBadCarry,       ///< age, travel or view of carried depth out of range
 };
 
 /// `subject` is a static string that names the field or step; `value` and `bound` depend on the code.

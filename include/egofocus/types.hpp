@@ -60,12 +60,13 @@ struct Intrinsics {
 
 /// Why a depth frame is poor or empty. A frame without a flag rests on fresh events and real parallax.
 enum FrameFlag : std::uint32_t {
-  kNoParallax = 1u << 0,     ///< translation too small (standstill, pure rotation): no depth is given
+  kNoParallax = 1u << 0,     ///< translation too small (standstill, pure rotation): nothing can be measured
   kTooFewEvents = 1u << 1,   ///< fewer events in the window than configured
   kStaleVelocity = 1u << 2,  ///< motion samples ended longer before the tick than allowed
   kNoMotion = 1u << 3,       ///< no ego-motion at all yet: no depth is given
   kOverload = 1u << 4,       ///< events were dropped or decimated on the way to this frame
   kLateTick = 1u << 5,       ///< the tick ran after its deadline
+  kCarried = 1u << 6,  ///< not measured: the last measured depth, moved as the camera moved (CarryConfig)
 };
 
 /// One depth map. It lies on the working grid. The spans stay valid until the next call of the function that
@@ -88,7 +89,8 @@ struct DepthFrame {
   double angular_rate_rad_s[3] = {0, 0, 0};
   double velocity_sigma_m_s = 0;     ///< 1-sigma of |velocity|; the same relative error scales the depth
   std::int64_t window_begin_us = 0;  ///< events from here to t_us count; t_us where no motion was known
-  std::int32_t hypotheses = 0;  ///< inverse depths tried, k * 256 * scale for k < hypotheses; 0: no depth
+  /// Inverse depths tried, k * 256 * scale for k < hypotheses; 0: nothing was measured.
+  std::int32_t hypotheses = 0;
   std::span<const std::uint16_t> inverse_depth;  ///< [height * width], row-major
   std::span<const std::uint8_t> confidence;      ///< [height * width], 0 = no estimate, 255 = best
 };

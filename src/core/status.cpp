@@ -131,6 +131,9 @@ std::size_t Status::describe(std::span<char> out) const noexcept {
           .number(bound_)
           .text(" us");
       break;
+    case StatusCode::kBadCarry:
+      with_value("bad carrying of depth", "See CarryConfig for the ranges.");
+      break;
   }
   return line.close();
 }

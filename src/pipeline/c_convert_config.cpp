@@ -137,6 +137,18 @@ egofocus_focus to_c(const FocusConfig& in) noexcept {
   return {number(cost), support_cells, smoothing ? 1 : 0, min_support_events};
 }
 
+CarryConfig from_c(const egofocus_carry& c) noexcept {
+  CarryConfig out;
+  auto& [max_age_us, max_travel, min_in_view] = out;
+  max_age_us = c.max_age_us, max_travel = c.max_travel, min_in_view = c.min_in_view;
+  return out;
+}
+
+egofocus_carry to_c(const CarryConfig& in) noexcept {
+  const auto& [max_age_us, max_travel, min_in_view] = in;
+  return {max_age_us, max_travel, min_in_view};
+}
+
 RateConfig from_c(const egofocus_rate& c) noexcept {
   RateConfig out;
   auto& [rate_hz, lateness_us] = out;
@@ -222,8 +234,8 @@ Status c_config_problem(const egofocus_config& c) noexcept {
 
 Config config_from_c(const egofocus_config& c) noexcept {
   Config out;
-  auto& [camera, grid, ladder, window, filter, motion, focus, rate, rings, real_time, velocity_noise, backend,
-         threads, isa_mask] = out;
+  auto& [camera, grid, ladder, window, filter, motion, focus, carry, rate, rings, real_time, velocity_noise,
+         backend, threads, isa_mask] = out;
   camera = from_c(c.camera);
   grid = from_c(c.grid);
   ladder = from_c(c.ladder);
@@ -231,6 +243,7 @@ Config config_from_c(const egofocus_config& c) noexcept {
   filter = from_c(c.filter);
   motion = from_c(c.motion);
   focus = from_c(c.focus);
+  carry = from_c(c.carry);
   rate = from_c(c.rate);
   rings = from_c(c.rings);
   real_time = from_c(c.real_time);
@@ -242,11 +255,11 @@ Config config_from_c(const egofocus_config& c) noexcept {
 }
 
 egofocus_config config_to_c(const Config& config) noexcept {
-  const auto& [camera, grid, ladder, window, filter, motion, focus, rate, rings, real_time, velocity_noise,
-               backend, threads, isa_mask] = config;
-  return {to_c(camera),         to_c(grid),      to_c(ladder), to_c(window), to_c(filter),
-          to_c(motion),         to_c(focus),     to_c(rate),   to_c(rings),  to_c(real_time),
-          to_c(velocity_noise), number(backend), threads,      isa_mask};
+  const auto& [camera, grid, ladder, window, filter, motion, focus, carry, rate, rings, real_time,
+               velocity_noise, backend, threads, isa_mask] = config;
+  return {to_c(camera),    to_c(grid),           to_c(ladder),    to_c(window), to_c(filter),
+          to_c(motion),    to_c(focus),          to_c(carry),     to_c(rate),   to_c(rings),
+          to_c(real_time), to_c(velocity_noise), number(backend), threads,      isa_mask};
 }
 
 }  // namespace egofocus

@@ -25,8 +25,9 @@ egofocus_window_counters to_c(const WindowCounters& counters) noexcept {
 }
 
 egofocus_tick_counters to_c(const TickCounters& counters) noexcept {
-  const auto& [run, late, skipped, no_parallax, too_few_events, stale_velocity, no_motion] = counters;
-  return {run, late, skipped, no_parallax, too_few_events, stale_velocity, no_motion};
+  const auto& [run, late, skipped, no_parallax, too_few_events, stale_velocity, no_motion, carried] =
+      counters;
+  return {run, late, skipped, no_parallax, too_few_events, stale_velocity, no_motion, carried};
 }
 
 }  // namespace

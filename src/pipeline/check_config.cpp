@@ -1,6 +1,7 @@
 #include "pipeline/check_config.hpp"
 
 #include "core/worker_pool.hpp"
+#include "pipeline/carried_depth.hpp"
 #include "pipeline/ego_motion.hpp"
 #include "pipeline/event_filter.hpp"
 #include "pipeline/event_window.hpp"
@@ -45,8 +46,8 @@ Status check_config(const Config& config) noexcept {
   for (const Status& status :
        {check_camera(config), check_ladder(config.ladder), EventWindow::check(config.window),
         EventFilter::check(config), EgoMotion::check(config.motion), FocusCostPlane::check(config.focus),
-        Scheduler::check(config.rate), check_velocity_noise(config.velocity_noise), check_rings(config.rings),
-        check_threads(config)}) {
+        CarriedDepth::check(config.carry), Scheduler::check(config.rate),
+        check_velocity_noise(config.velocity_noise), check_rings(config.rings), check_threads(config)}) {
     if (!status.ok()) return status;
   }
   return {};

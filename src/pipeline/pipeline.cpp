@@ -11,7 +11,8 @@ Pipeline::Pipeline(const Config& config, const KernelTable& kernels, Arena& aren
       track_(arena.object<MotionTrack>()),
       warp_(config, kernels, arena),
       focus_(config, config.threads, arena),
-      depth_decode_(grid_, arena) {
+      depth_decode_(grid_, arena),
+      carried_(config.carry, grid_, arena) {
   config_.filter.hot_pixels = {};  // the caller's memory is not ours after set-up
 }
 
@@ -63,10 +64,13 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   if (ring_dropped_ != dropped_before_ || selection.in_window != selection.count) frame.flags |= kOverload;
   dropped_before_ = ring_dropped_;
 
-  // 3. Events -> stack of warped images -> focus -> depth.
-  const bool has_depth =
-      has_motion && ladder.has_parallax && selection.count > 0 && track(oldest_us, ladder.begin_us, tick_us);
-  if (has_depth) {
+  // 3. Where nothing can be measured well: the last measured depth, seen from here.
+  follow(has_motion, tick_us);
+  const bool has_stack = has_motion && ladder.has_parallax && selection.count > 0;
+  const bool carried = (!has_stack || (too_few && !carried_.few_events())) && carry(tick_us, out);
+
+  // 4. Events -> stack of warped images -> focus -> depth.
+  if (!carried && has_stack && track(oldest_us, ladder.begin_us, tick_us)) {
     struct Step {
       Pipeline& self;
       const EventWindow::Selection& selection;
@@ -90,7 +94,8 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
     frame.parallax_px = ladder.parallax_px;
     window_counters_.behind_camera += warp_.behind_camera();
     last_depth_event_us_ = window_.newest_us();
-  } else {
+    carried_.keep(frame, last_depth_event_us_);
+  } else if (!carried) {
     blank(out);
   }
   frame.age_us = last_depth_event_us_ == INT64_MIN ? INT64_MAX : tick_us - last_depth_event_us_;
@@ -102,6 +107,27 @@ bool Pipeline::track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t
   if (config_.velocity_noise.percent > 0)
     return noisy_track(config_.velocity_noise, *ego_motion_, oldest_us, begin_us, tick_us, *track_);
   return ego_motion_->track(begin_us, tick_us, *track_);
+}
+
+// What the newest samples say of the way since the kept depth stays; what is only held beyond them is for one
+// tick alone, in carry().
+void Pipeline::follow(bool has_motion, std::int64_t tick_us) noexcept {
+  if (!has_motion) carried_.drop();
+  if (!carried_.kept()) return;
+  const std::int64_t followed_us = carried_.followed_us();
+  const std::int64_t newest_us = ego_motion_->newest_us() < tick_us ? ego_motion_->newest_us() : tick_us;
+  if (newest_us <= followed_us) return;
+  if (track(followed_us, followed_us, newest_us)) {
+    carried_.follow(*track_);
+  } else {
+    carried_.drop();
+  }
+}
+
+bool Pipeline::carry(std::int64_t tick_us, FrameSlot& out) noexcept {
+  const std::int64_t followed_us = carried_.followed_us();
+  return carried_.kept() && track(followed_us, followed_us, tick_us) &&
+         carried_.show(*track_, out.frame, out.inverse_depth, out.confidence);
 }
 
 // --- in and out --------------------------------------------------------------------------------------
@@ -191,6 +217,8 @@ void Pipeline::conclude(const DepthFrame& frame) noexcept {
   if (flags & kTooFewEvents) ++tick_counters_.too_few_events;
   if (flags & kStaleVelocity) ++tick_counters_.stale_velocity;
   if (flags & kNoMotion) ++tick_counters_.no_motion;
+  const bool carried = (flags & kCarried) != 0;
+  if (carried) ++tick_counters_.carried;
   const bool any_event = filter_.counters().kept > 0;
   if (!any_event) {
     state_ = RunState::kWaiting;
@@ -199,9 +227,9 @@ void Pipeline::conclude(const DepthFrame& frame) noexcept {
     state_ = RunState::kStalled;
     cause_ = Cause::kNoMotion;
   } else if (flags & kNoParallax) {
-    state_ = RunState::kStalled;
+    state_ = carried ? RunState::kDegraded : RunState::kStalled;
     cause_ = Cause::kNoParallax;
-  } else if (frame.events == 0) {
+  } else if (frame.events == 0 && !carried) {
     state_ = RunState::kStalled;
     cause_ = Cause::kNoEvents;
   } else if (flags & kStaleVelocity) {

@@ -9,6 +9,7 @@
 #include "egofocus/config.hpp"
 #include "egofocus/health.hpp"
 #include "kernels/kernel_table.hpp"
+#include "pipeline/carried_depth.hpp"
 #include "pipeline/depth_decode.hpp"
 #include "pipeline/ego_motion.hpp"
 #include "pipeline/event_filter.hpp"
@@ -58,6 +59,10 @@ class Pipeline {
   /// The motion from begin_us to the tick into `track_`; false where it is not known. oldest_us: as far back
   /// as this tick looks.
   bool track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept;
+  /// Keeps up with the way since the kept depth, or drops it where the motion is not known.
+  void follow(bool has_motion, std::int64_t tick_us) noexcept;
+  /// The kept depth as seen at the tick; false where there is none.
+  bool carry(std::int64_t tick_us, FrameSlot& out) noexcept;
   void blank(FrameSlot& out) noexcept;
   void conclude(const DepthFrame& frame) noexcept;
 
@@ -70,6 +75,7 @@ class Pipeline {
   Warp warp_;
   Focus focus_;
   DepthDecode depth_decode_;
+  CarriedDepth carried_;
 
   std::int64_t last_tick_us_ = kBeginOfTime_us;
   std::int64_t last_depth_event_us_ = INT64_MIN;

@@ -104,6 +104,13 @@ void describe(Section& s, FocusConfig& v) {
 }
 
 template <typename Section>
+void describe(Section& s, CarryConfig& v) {
+  s.optional("max_age_us", v.max_age_us);
+  s.optional("max_travel", v.max_travel);
+  s.optional("min_in_view", v.min_in_view);
+}
+
+template <typename Section>
 void describe(Section& s, RateConfig& v) {
   s.optional("rate_hz", v.rate_hz);
   s.optional("lateness_us", v.lateness_us);
@@ -169,6 +176,7 @@ void describe_file(File& file, CameraFile& v) {
   file.section("filter", v.config.filter);
   file.section("motion", v.config.motion);
   file.section("focus", v.config.focus);
+  file.section("carry", v.config.carry);
   file.section("rate", v.config.rate);
   file.section("rings", v.config.rings);
   DepthSection depth{v.depth_scale_m};

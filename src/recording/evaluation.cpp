@@ -82,7 +82,8 @@ ImageFact compare(const Image& image, const DepthFrame& frame, const MetricRange
   ImageFact fact;
   fact.t_us = frame.t_us;
   fact.window_begin_us = frame.window_begin_us;
-  fact.step_per_m = frame.inverse_depth_scale_per_m * 256.0;
+  // A carried map has the scale of another tick's ladder, and no ladder of its own.
+  fact.step_per_m = frame.hypotheses > 0 ? frame.inverse_depth_scale_per_m * 256.0 : 0.0;
   fact.hypotheses = frame.hypotheses;
   fact.flags = frame.flags;
   const SetBits sets = pixel_sets(image, range, fact);

@@ -35,6 +35,8 @@ static egofocus_config good_config(void) {
 static void test_defaults_and_texts(void) {
   egofocus_config config = good_config();
   EXPECT(config.threads == 1 && config.ladder.hypotheses == 64 && config.rate.rate_hz == 20.0);
+  EXPECT(config.carry.max_age_us == 30000000 && config.carry.max_travel == 0.5 &&
+         config.carry.min_in_view == 0.1);
   EXPECT(config.motion.camera_from_body[1] == -1.0 && config.filter.hot_pixel_count == 0);
   EXPECT(strncmp(egofocus_version(), "0.", 2) == 0);
   EXPECT(strcmp(egofocus_state_text(EGOFOCUS_RUNNING), "running") == 0);
@@ -58,6 +60,9 @@ static void test_failures(void) {
   EXPECT(egofocus_required_bytes(&config, &bytes).code == EGOFOCUS_BAD_MOTION);
   config = good_config();
   EXPECT(config.velocity_noise.percent == 0.0 && config.velocity_noise.seed == 1);
+  config.carry.max_travel = 0;
+  EXPECT(egofocus_required_bytes(&config, &bytes).code == EGOFOCUS_BAD_CARRY);
+  config = good_config();
   config.camera.intrinsics.fx_px = -1;
   EXPECT(egofocus_required_bytes(&config, &bytes).code == EGOFOCUS_BAD_INTRINSICS);
   config = good_config();
