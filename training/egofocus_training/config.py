@@ -74,13 +74,14 @@ class AugmentConfig:
 class LossConfig:
     distribution: float = 1.0  # cross entropy of the truth's histogram over hypotheses
     label_width: float = 0.6  # of that histogram, in hypotheses
-    index: float = 0.3  # robust error of the index, in hypotheses
+    index: float = 0.3  # robust error of the mean index, in hypotheses
     log_depth: float = 1.0  # of the logarithm of inverse depth: far blunders
-    log_floor: float = 0.25  # hypotheses added to both before the logarithm
+    log_floor: float = 0.25  # hypotheses added to both before the logarithm, and to the refined index
+    refined: float = 1.0  # relative error of the refined depth
     log_square: float = 1.0  # weight of its square beside its absolute value
     coarse: float = 0.3  # weight of the 1/8 head's distribution
     movers: float = 0.0  # weight of pixels on things that move by themselves
-    border: float = 0.0  # added to the weight where depth jumps within a few pixels
+    border: float = 0.0  # added to the refined index's weight where depth jumps within a few pixels
 
 
 @dataclass

@@ -1,12 +1,17 @@
-"""The loss: is the distribution right, is the index right, and is the depth not grossly wrong?
+"""The loss: is the distribution right, is its mean not grossly wrong, and is the refined depth right?
 
-    L = a H(label, p) + b sum_s huber(i_s - t_s) + c sum_s (|l_s| + f l_s^2) + d H(label_8, p_8),  l = ln((i + e) / (t + e))
-s: 1/2 (refined), and 1/4 where the regression has a gradient (an expectation); t: truth's index; every term a mean over cells, weighted where things move.
-l is the error of log depth: sky in place of a near wall costs ln(1 + t / e), and its square more than many small errors.
-Without the square the estimate is a median, which in doubt goes far away.
+    L = a H(label, p) + b huber(m - t) + c (|l| + f l^2) + g min(|t_2 - i| / (i + e), 4) + d H(label_8, p_8)
+t, t_2: truth's index at 1/4 and 1/2; m: the mean of p, l = ln((m + e) / (t + e)); i: the refined index; every term a mean over cells,
+weighted where things move and, at 1/2, at borders. The error of the refined index is that of depth relative to truth, whose
+least expectation the regression looks for, too: with an error that is alike on both sides, refinement would move what is in doubt
+back, away from the camera. The mean teaches p how far off a wrong hypothesis is, which H does not.
 """
 import torch
 from torch.nn import functional
+
+from .model.regression import distribution, expected_index
+
+_MOST_RELATIVE = 4.0  # beyond, nothing that refinement could still reach
 
 
 def weighted_mean(values, weight):
@@ -31,21 +36,20 @@ def log_error(index, truth, floor, square):
     return size + square * size * size
 
 
+def relative_error(index, truth, floor):
+    return ((truth - index).abs() / (index + floor)).clamp(max=_MOST_RELATIVE)
+
+
 def loss_terms(prediction, batch, config):
     """The terms by name, weighted; their sum is the loss."""
     used = batch["used"]
     terms = {"distribution": config.distribution *
              weighted_mean(cross_entropy(prediction.scores, batch["label"], used), batch["weight_4"])}
-    index = log = 0.0
-    for estimate, scale in ((prediction.index_4, 4), (prediction.index, 2)):
-        if not estimate.requires_grad and prediction.index.requires_grad:
-            continue
-        truth, weight = batch[f"index_{scale}"], batch[f"weight_{scale}"]
-        index = index + weighted_mean(huber(estimate.float() - truth), weight)
-        log = log + weighted_mean(log_error(estimate.float().clamp(min=0), truth, config.log_floor, config.log_square),
-                                  weight)
-    terms["index"] = config.index * index
-    terms["log_depth"] = config.log_depth * log
+    mean, truth, weight = expected_index(distribution(prediction.scores, used)), batch["index_4"], batch["weight_4"]
+    terms["index"] = config.index * weighted_mean(huber(mean - truth), weight)
+    terms["log_depth"] = config.log_depth * weighted_mean(log_error(mean, truth, config.log_floor, config.log_square), weight)
+    refined = prediction.index.float().clamp(min=0)
+    terms["refined"] = config.refined * weighted_mean(relative_error(refined, batch["index_2"], config.log_floor), batch["weight_2"])
     if prediction.coarse is not None and config.coarse > 0:
         weight = functional.avg_pool2d(batch["weight_4"][:, None], 2, ceil_mode=True)
         label = functional.avg_pool2d(batch["label"] * batch["weight_4"][:, None], 2, ceil_mode=True) / weight.clamp(min=1e-6)

@@ -73,6 +73,5 @@ def training_targets(sample, facts, crop, loss_config, hypotheses):
     index_4, weight_4 = coarse_index(index, weight, 4)
     if loss_config.border > 0:
         weight_2 = weight_2 * np.float32(1 + loss_config.border * borders(index_2, 2, _JUMP))
-        weight_4 = weight_4 * np.float32(1 + loss_config.border * borders(index_4, 1, _JUMP))
     return {"index_2": index_2, "weight_2": weight_2, "index_4": index_4, "weight_4": weight_4,
             "label": histogram(index, weight, 4, hypotheses, loss_config.label_width).astype(np.float16)}

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from egofocus_training.config import LossConfig
-from egofocus_training.losses import cross_entropy, huber, log_error, loss_terms, weighted_mean
+from egofocus_training.losses import cross_entropy, huber, log_error, loss_terms, relative_error, weighted_mean
 from egofocus_training.metrics import MeanMetrics, depth_of, enlarge, image_metrics, pixel_sets
 from egofocus_training.model.network import Prediction
 
@@ -31,10 +31,13 @@ def test_the_whole():
              "weight_4": torch.tensor([[[1.0, 0], [0, 0]]]), "index_2": torch.full((1, 4, 4), 2.0),
              "weight_2": torch.ones(1, 4, 4)}
     prediction = Prediction(scores, torch.zeros(1, 4, 1, 1), torch.full((1, 2, 2), 3.0), torch.full((1, 4, 4), 2.0), None, None)
-    config = LossConfig(distribution=2.0, index=0.5, log_depth=3.0, log_floor=0.5, log_square=0.0, coarse=0.25)
+    config = LossConfig(distribution=2.0, index=0.5, log_depth=3.0, log_floor=0.5, log_square=0.0, refined=7.0, coarse=0.25)
+    prediction.index[0, 0, 0] = 0.5
     terms = {name: term.item() for name, term in loss_terms(prediction, batch, config).items()}
-    assert terms == pytest.approx({"distribution": 2 * math.log(4), "index": 0.5 * 1.5, "log_depth": 3 * math.log(3.5 / 1.5),
-                                   "coarse": 0.25 * math.log(4)}, rel=1e-5)
+    # Four hypotheses alike: their mean is 1.5, the truth 1; refined 2 where 2 is true, but for one of 16 cells, at 0.5.
+    assert terms == pytest.approx({"distribution": 2 * math.log(4), "index": 0.5 * 0.125, "log_depth": 3 * math.log(2.0 / 1.5),
+                                   "refined": 7 * 1.5 / 16, "coarse": 0.25 * math.log(4)}, rel=1e-5)
+    assert relative_error(torch.tensor([0.0, 4.0]), torch.tensor([8.0, 8.0]), 0.25).tolist() == pytest.approx([4, 4 / 4.25])
 
 
 def test_a_far_blunder_costs_more_than_a_near_one():
