@@ -44,9 +44,12 @@ typedef enum egofocus_status_code {
   EGOFOCUS_UNSUPPORTED_FORMAT,
   EGOFOCUS_PARSE,
   EGOFOCUS_MISSING_SIGNAL,
-  EGOFOCUS_THREAD,  /* value = errno */
-  EGOFOCUS_IO,      /* value = errno */
-  EGOFOCUS_BAD_TICK /* value = the time asked for, bound = the one it passed */
+  EGOFOCUS_THREAD,    /* value = errno */
+  EGOFOCUS_IO,        /* value = errno */
+  EGOFOCUS_BAD_TICK,  /* value = the time asked for, bound = the one it passed */
+  EGOFOCUS_BAD_MODEL, /* value = place (byte), bound = what stands there */
+  EGOFOCUS_UNSUPPORTED_MODEL,
+  EGOFOCUS_MODEL_MISMATCH /* value = configured, bound = the model's */
 } egofocus_status_code;
 
 typedef struct egofocus_status {
@@ -149,7 +152,7 @@ typedef struct egofocus_velocity_noise { /* for experiments; percent 0 is none *
   int32_t kind, draw;
 } egofocus_velocity_noise;
 
-enum { EGOFOCUS_BACKEND_FOCUS };
+enum { EGOFOCUS_BACKEND_FOCUS, EGOFOCUS_BACKEND_NETWORK };
 typedef struct egofocus_config {
   egofocus_camera camera;
   egofocus_intrinsics grid; /* working grid; width 0 takes the camera's pinhole part */
@@ -165,6 +168,9 @@ typedef struct egofocus_config {
   int32_t backend;
   int32_t threads; /* 1..8 */
   uint32_t isa_mask;
+  const void* model; /* EGOFOCUS_BACKEND_NETWORK: a model file, read by egofocus_required_bytes and
+                        egofocus_create only, at a multiple of 16 */
+  size_t model_bytes;
 } egofocus_config;
 
 /* Sane values for everything but `camera.intrinsics`, which only you know. Thread: any. RT: yes. */
