@@ -12,7 +12,7 @@ from egofocus_training.config import AugmentConfig, InputConfig, LossConfig
 from egofocus_training.focus_input import context_channels
 from egofocus_training.library import stack
 from egofocus_training.samples import parse_sample
-from egofocus_training.targets import coarse_index, histogram, index_of
+from egofocus_training.targets import borders, coarse_index, histogram, index_of
 from egofocus_training.units import ZERO
 from egofocus_training.windows import network_inputs, stack_sample, training_targets, wanted_arrays
 
@@ -126,6 +126,12 @@ def test_index_and_its_cells():
     assert value.tolist() == [[3, 9], [5, 7]]  # of 2 3 4; 9 9; 5 6; 7: the lower median
     assert share.tolist() == [[0.75, 0.5], [0.5, 0.25]]
     assert coarse_index(index, np.zeros_like(index), 2)[1].tolist() == [[0, 0], [0, 0]]
+
+
+def test_borders_are_jumps_and_no_slopes():
+    index = np.array([[1, 1.4, 1.8, 2.2, 6, 6], [1, 1.4, 1.8, 2.2, 6, 6]], np.float32)
+    assert borders(index, 1, 1.5).tolist() == [[False, False, False, True, True, False]] * 2
+    assert borders(index.T, 2, 1.5)[:, 0].tolist() == [False, False, True, True, True, True]
 
 
 def test_histogram_by_hand():

@@ -28,6 +28,7 @@ blocks = [1, 1, 1]
 up_blocks = [1, 1]
 refine_width = 8
 refine_dilations = [1, 2]
+regression_window = 5
 """
 
 
@@ -141,6 +142,18 @@ def test_regression_by_hand():
     near = p[1:].sum() / p.sum()  # hypotheses 1, 2 and no third
     assert abs(trust[0, 0] - 255 * near * moved / (moved + 1)) <= 1.1
     assert IntegerModel._regression(scores, 3, np.full((1, 1), ZERO))[1][0, 0] == 0
+
+
+def test_a_window_about_the_best_hypothesis_keeps_two_depths_apart():
+    scores = np.array([96, 64, 0, 0, 96, 80]).reshape(6, 1, 1)  # 0 and 4 alike: the first one counts
+    step = np.full((1, 1), ZERO + 32)
+    index, trust = IntegerModel._regression(scores, 6, step, window=1)
+    p = np.exp(np.array([96, 64, 0, 0, 96, 80]) / 32)
+    mean = p[1] / (p[0] + p[1])
+    assert abs(index[0, 0] - 256 * mean) <= 0.51
+    near = (p[0] + p[1]) / p.sum()  # of everything: that another depth is as likely shows in the confidence
+    assert abs(trust[0, 0] - 255 * near * mean / (mean + 1)) <= 1.1
+    assert IntegerModel._regression(scores, 6, step)[0][0, 0] > 256 * 2
 
 
 def test_weights_round_to_int8_with_a_scale_for_each_output():

@@ -176,6 +176,19 @@ def test_checkpoints_that_are_none_or_another_networks(folder, tmp_path):
     assert refusal(lambda: checkpoint.read(tmp_path / "none.pt"))[0] == FILE
 
 
+def test_a_training_begins_with_given_weights(folder, tmp_path):
+    first, _ = trained(configured(folder), 2)
+    first.save(tmp_path)
+    config = configured(folder, network="regression_window = 2", train=f'start = "{tmp_path / "weights.pt"}"')
+    begun = Trainer(config, first.find_paths)
+    assert begun.step == 0
+    for name, tensor in first.average.network.state_dict().items():
+        assert torch.equal(tensor, begun.network.state_dict()[name]) and torch.equal(tensor, begun.average.network.state_dict()[name])
+    other = configured(folder, network="ihca_blocks = 1", train=f'start = "{tmp_path / "weights.pt"}"')
+    code, message = refusal(lambda: Trainer(other, first.find_paths))
+    assert code == CONFIGURATION and "weights.pt" in message
+
+
 def test_two_processes_do_not_train_in_one_folder(tmp_path):
     first = subprocess.Popen([sys.executable, "-c", "import pathlib, sys, time; from egofocus_training.machine import only_run; "
                               "lock = only_run(pathlib.Path(sys.argv[1])); print('mine', flush=True); time.sleep(60)", str(tmp_path)],
