@@ -1,6 +1,7 @@
 // The kernels in use: one function pointer per op, filled once at set-up, read only afterwards.
 #pragma once
 
+#include "kernels/conv_u8s8.hpp"
 #include "kernels/isa.hpp"
 #include "kernels/warp_vote.hpp"
 
@@ -13,8 +14,14 @@ struct ChosenKernel {
   Isa isa = Isa::kScalar;
 };
 
+/// The packing is the variant's own: weights packed for another one give wrong sums.
+struct ChosenConvU8S8 : ChosenKernel<ConvU8S8Function> {
+  ConvPacking packing;
+};
+
 struct KernelTable {
   ChosenKernel<WarpVoteFunction> warp_vote;
+  ChosenConvU8S8 conv_u8s8;
 };
 
 /// The best compiled variant of each op among `allowed`, the scalar one where there is no other. Pass

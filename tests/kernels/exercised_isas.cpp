@@ -15,6 +15,17 @@ std::map<std::string, IsaSet>& exercised() {
   return by_op;
 }
 
+/// Where an op has no body for a level, the one below runs: what is listed here must not go missing.
+IsaSet bodies_of(const std::string& op) {
+  const auto set_of = [](std::initializer_list<Isa> isas) {
+    IsaSet set = isa_bit(Isa::kScalar);
+    for (Isa isa : isas) set |= isa_bit(isa);
+    return set;
+  };
+  if (op == "conv_u8s8") return set_of({});
+  return set_of({Isa::kSse41, Isa::kAvx2, Isa::kAvx512, Isa::kNeon});
+}
+
 IsaSet compiled_isas() {
   IsaSet set = isa_bit(Isa::kScalar);
 #ifdef EGOFOCUS_HAVE_SSE41
@@ -64,8 +75,9 @@ struct IsaReport : Catch::TestEventListenerBase {
                 names(compiled_isas() & ~detect_isa()).c_str());
     for (const auto& [op, set] : exercised()) {
       std::printf("%s: exercised:%s\n", op.c_str(), names(set).c_str());
-      if (!complete || (expected & ~set) == 0) continue;
-      std::printf("%s: FAILED, expected but not exercised:%s\n", op.c_str(), names(expected & ~set).c_str());
+      const IsaSet left_out = expected & bodies_of(op) & ~set;
+      if (!complete || left_out == 0) continue;
+      std::printf("%s: FAILED, expected but not exercised:%s\n", op.c_str(), names(left_out).c_str());
       missing = true;
     }
     std::fflush(stdout);
