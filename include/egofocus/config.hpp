@@ -37,8 +37,8 @@ struct LadderConfig {
 };
 
 struct WindowConfig {
-  std::int32_t max_events = 80000;  ///< more are decimated evenly, deterministically
-  std::int32_t min_events = 2000;   ///< fewer: kTooFewEvents (the depth is still given)
+  std::int32_t max_events = 80000;    ///< more are decimated evenly, deterministically
+  std::int32_t min_events = 2000;     ///< fewer: kTooFewEvents (the depth is still given)
   std::int64_t max_age_us = 1000000;  ///< 1000..1000000; slow motion needs long windows for its parallax
 };
 

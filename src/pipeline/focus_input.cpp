@@ -44,8 +44,19 @@ Status FocusInput::check(const FocusInputConfig& config) noexcept {
   return {};
 }
 
+std::size_t FocusInput::sums_bytes(const Intrinsics& grid, std::int32_t hypotheses) noexcept {
+  return sizeof(std::uint16_t) * 4 * static_cast<std::size_t>(hypotheses) *
+         energy_grid(grid.width_px, grid.height_px).size();
+}
+
+std::size_t FocusInput::focus_bytes(const FocusInputConfig& config, const Intrinsics& grid,
+                                    std::int32_t hypotheses) noexcept {
+  return static_cast<std::size_t>(hypotheses) * static_cast<std::size_t>(config.map_count) *
+         energy_grid(grid.width_px, grid.height_px).size();
+}
+
 FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses,
-                       int parts, Arena& arena) noexcept
+                       int parts, Arena& arena, Arena& sums_arena, Arena& focus_arena) noexcept
     : config_(config),
       grid_(grid),
       cells_(energy_grid(grid.width_px, grid.height_px)),
@@ -56,8 +67,8 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
   const auto depth = static_cast<std::size_t>(hypotheses);
   const auto width = static_cast<std::size_t>(cells_.width);
   for (std::int32_t i = 0; i < 4; ++i) scale_[i] = support_scale(2 * i + 1, config.floor_events_milli);
-  sums_ = arena.array<std::uint16_t>(4 * depth * cells_.size());
-  focus_ = arena.array<std::uint8_t>(depth * static_cast<std::size_t>(config_.map_count) * cells_.size());
+  sums_ = sums_arena.array<std::uint16_t>(sums_bytes(grid, hypotheses) / sizeof(std::uint16_t));
+  focus_ = focus_arena.array<std::uint8_t>(focus_bytes(config, grid, hypotheses));
   context_ = arena.array<std::uint8_t>(static_cast<std::size_t>(context_channels()) * cells_.size());
   column_q8_ = arena.array<std::int32_t>(width);
   row_q8_ = arena.array<std::int32_t>(static_cast<std::size_t>(cells_.height));

@@ -40,7 +40,14 @@ class FocusInput {
   /// Takes from the arena: 8 bytes per hypothesis and cell, the outputs, and 14 bytes per hypothesis and cell
   /// of a row for each part. `hypotheses` (D): 1..64.
   FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses, int parts,
-             Arena& arena) noexcept;
+             Arena& arena) noexcept
+      : FocusInput(config, grid, hypotheses, parts, arena, arena, arena) {}
+  /// The sums, which nobody needs after run(), and the focus from arenas of their own.
+  FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses, int parts,
+             Arena& arena, Arena& sums, Arena& focus) noexcept;
+  [[nodiscard]] static std::size_t sums_bytes(const Intrinsics& grid, std::int32_t hypotheses) noexcept;
+  [[nodiscard]] static std::size_t focus_bytes(const FocusInputConfig& config, const Intrinsics& grid,
+                                               std::int32_t hypotheses) noexcept;
 
   /// `planes`: counts [ladder.count][height][width] of the grid, as Warp::planes() has them; ladder.count:
   /// 1..D. `baseline_m`: the camera's centre at the window's begin, seen at its end. The outputs are valid

@@ -1,17 +1,39 @@
 #include "pipeline/pipeline.hpp"
 
 namespace egofocus {
+namespace {
 
-Pipeline::Pipeline(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
+std::optional<NetworkMemory> network_memory(const Config& config, const Model& model, Arena& arena) noexcept {
+  if (config.backend != Backend::kNetwork) return std::nullopt;
+  return std::optional<NetworkMemory>(std::in_place, config, model, arena);
+}
+
+Warp make_warp(const Config& config, const KernelTable& kernels, const std::optional<NetworkMemory>& shared,
+               Arena& arena) noexcept {
+  if (!shared) return Warp(config, kernels, arena);
+  Arena lines = shared->lines();
+  return Warp(config, kernels, arena, lines);
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Config& config, const Model& model, const KernelTable& kernels,
+                   Arena& arena) noexcept
     : config_(config),
       grid_(working_grid(config)),
       filter_(config, arena),
       window_(config.window, arena),
       ego_motion_(arena.object<EgoMotion>(config.motion)),
       track_(arena.object<MotionTrack>()),
-      warp_(config, kernels, arena),
-      focus_(config, config.threads, arena),
+      network_memory_(network_memory(config, model, arena)),
+      warp_(make_warp(config, kernels, network_memory_, arena)),
       depth_decode_(grid_, arena) {
+  if (network_memory_) {
+    network_.emplace(config, model, kernels, *network_memory_, arena);
+  } else {
+    focus_.emplace(config, config.threads, arena);
+  }
+  config_.model = {};
   config_.filter.hot_pixels = {};  // the caller's memory is not ours after set-up
 }
 
@@ -81,7 +103,9 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
     pool.run([](void* context, int part,
                 int parts) noexcept { static_cast<Step*>(context)->self.warp_.vote(part, parts); },
              &step);
-    const CellDepth cells = focus_.run(warp_, ladder, track_->knots[0].centre_m, pool);
+    const double(&baseline_m)[3] = track_->knots[0].centre_m;
+    const CellDepth cells = network_ ? network_->run(warp_, ladder, baseline_m, pool)
+                                     : focus_->run(warp_, ladder, baseline_m, pool);
     depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
     frame.events = selection.count;
     frame.votes = warp_.votes();

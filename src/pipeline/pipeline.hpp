@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/arena.hpp"
 #include "core/inlets.hpp"
@@ -15,6 +16,7 @@
 #include "pipeline/event_window.hpp"
 #include "pipeline/focus.hpp"
 #include "pipeline/hypothesis_ladder.hpp"
+#include "pipeline/network_backend.hpp"
 #include "pipeline/velocity_noise.hpp"
 #include "pipeline/warp.hpp"
 
@@ -30,7 +32,8 @@ struct FrameSlot {
 /// Thread: the tick's. RT: yes, but the constructor and prepare().
 class Pipeline {
  public:
-  Pipeline(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
+  /// `model`: that of adopt_model(), for Backend::kNetwork alone; read here only.
+  Pipeline(const Config& config, const Model& model, const KernelTable& kernels, Arena& arena) noexcept;
   void prepare(const Config& config) noexcept;
 
   /// Takes from the rings what has t <= tick_us; what is newer stays there. Events more than `ahead_us` newer
@@ -67,8 +70,10 @@ class Pipeline {
   EventWindow window_;
   EgoMotion* ego_motion_;  // large: in the arena
   MotionTrack* track_;
+  std::optional<NetworkMemory> network_memory_;
   Warp warp_;
-  Focus focus_;
+  std::optional<Focus> focus_;  // one of the two backends
+  std::optional<NetworkBackend> network_;
   DepthDecode depth_decode_;
 
   std::int64_t last_tick_us_ = kBeginOfTime_us;

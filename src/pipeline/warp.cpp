@@ -23,6 +23,18 @@ MotionKnot interpolate(const MotionKnot& a, const MotionKnot& b, double share) n
   return out;
 }
 
+LandingLines take_lines(std::int32_t max_events, Arena& arena) noexcept {
+  const auto events = static_cast<std::size_t>(max_events);
+  LandingLines lines;
+  lines.u_q16 = arena.array<std::int32_t>(events);
+  lines.v_q16 = arena.array<std::int32_t>(events);
+  lines.du_q16 = arena.array<std::int32_t>(events);
+  lines.dv_q16 = arena.array<std::int32_t>(events);
+  lines.k_end = arena.array<std::uint8_t>(events);
+  lines.time_u8 = arena.array<std::uint8_t>(events);
+  return lines;
+}
+
 }  // namespace
 
 LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
@@ -53,21 +65,21 @@ LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsic
   return {round_q16(u), round_q16(v), round_q16(du), round_q16(dv), k_end};
 }
 
-Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
+std::size_t Warp::lines_bytes(std::int32_t max_events) noexcept {
+  Arena counter;
+  static_cast<void>(take_lines(max_events, counter));
+  return counter.used_bytes();
+}
+
+Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines) noexcept
     : grid_(working_grid(config)),
       sensor_width_(config.camera.intrinsics.width_px),
       hypotheses_(config.ladder.hypotheses),
       pixels_(static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px)),
       vote_(kernels.warp_vote.run) {
-  const auto events = static_cast<std::size_t>(config.window.max_events);
   rays_ = arena.array<Ray>(static_cast<std::size_t>(sensor_width_) *
                            static_cast<std::size_t>(config.camera.intrinsics.height_px));
-  lines_.u_q16 = arena.array<std::int32_t>(events);
-  lines_.v_q16 = arena.array<std::int32_t>(events);
-  lines_.du_q16 = arena.array<std::int32_t>(events);
-  lines_.dv_q16 = arena.array<std::int32_t>(events);
-  lines_.k_end = arena.array<std::uint8_t>(events);
-  lines_.time_u8 = arena.array<std::uint8_t>(events);
+  lines_ = take_lines(config.window.max_events, lines);
   stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
   for (int i = 0; i < config.threads; ++i) scratch_[i] = arena.array<std::uint32_t>(pixels_);
 }

@@ -45,7 +45,11 @@ class Warp {
 
   /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event), the stack (1 byte per
   /// hypothesis and grid pixel) and the kernel's scratch (4 bytes per grid pixel and thread) from the arena.
-  Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
+  Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
+      : Warp(config, kernels, arena, arena) {}
+  /// The lines, which nobody needs after vote(), from an arena of their own.
+  Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines) noexcept;
+  [[nodiscard]] static std::size_t lines_bytes(std::int32_t max_events) noexcept;
 
   /// Fills the ray table. RT: no (set-up).
   void prepare(const CameraModel& camera) noexcept;

@@ -1,0 +1,54 @@
+// The network in a tick: its input, itself, and the memory that they share with the warp.
+#pragma once
+
+#include "core/arena.hpp"
+#include "core/worker_pool.hpp"
+#include "egofocus/config.hpp"
+#include "kernels/kernel_table.hpp"
+#include "pipeline/focus_input.hpp"
+#include "pipeline/memory_plan.hpp"
+#include "pipeline/model.hpp"
+#include "pipeline/network.hpp"
+#include "pipeline/warp.hpp"
+
+namespace egofocus {
+
+/// Reads Config::model into `model_out` and puts what the model dictates (ladder but z_near_m, max_events)
+/// into `config`. Errors: those of read_model(); kBadModel without bytes; kModelMismatch for another grid.
+/// Other backends: nothing to do. RT: no (set-up).
+Status adopt_model(Config& config, Model& model_out) noexcept;
+
+/// What lives in some steps of a tick only; made before the warp, which takes its lines from it.
+class NetworkMemory {
+ public:
+  NetworkMemory(const Config& config, const Model& model, Arena& arena) noexcept;
+  [[nodiscard]] Arena lines() const noexcept { return plan_.arena(lines_); }
+  [[nodiscard]] const MemoryPlan& plan() const noexcept { return plan_; }
+
+ private:
+  friend class NetworkBackend;
+  MemoryPlan plan_;
+  Network::Buffers buffers_;
+  std::int32_t lines_ = 0;
+  std::int32_t sums_ = 0;
+  std::int32_t focus_ = 0;
+};
+
+class NetworkBackend {
+ public:
+  NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
+                 const NetworkMemory& memory, Arena& arena) noexcept;
+
+  /// As Focus::run(). Thread: the tick. RT: yes.
+  CellDepth run(const Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+                WorkerPool& pool) noexcept;
+
+ private:
+  NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
+                 const NetworkMemory& memory, Arena& arena, Arena sums, Arena focus) noexcept;
+
+  FocusInput input_;
+  Network network_;
+};
+
+}  // namespace egofocus
