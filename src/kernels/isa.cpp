@@ -2,7 +2,7 @@
 
 #if defined(__x86_64__) || defined(__i386__)
 #include <cpuid.h>
-#elif defined(__arm__)
+#elif defined(__arm__) || (defined(__aarch64__) && defined(__linux__))
 #include <sys/auxv.h>
 #endif
 
@@ -38,16 +38,31 @@ IsaSet detect_family() noexcept {
   constexpr unsigned kAlsoMasksAndZmm = 0xe6;
   const unsigned saved = saved_state();
   if (__get_cpuid_count(7, 0, &eax, &ebx, &ecx, &edx) == 0) return found;
-  if ((saved & kSseAndAvx) == kSseAndAvx && bit(ebx, 5)) found |= isa_bit(Isa::kAvx2);
+  const bool has_avx2 = (saved & kSseAndAvx) == kSseAndAvx && bit(ebx, 5);
+  if (has_avx2) found |= isa_bit(Isa::kAvx2);
   const bool f_dq_bw_vl = bit(ebx, 16) && bit(ebx, 17) && bit(ebx, 30) && bit(ebx, 31);
-  if ((saved & kAlsoMasksAndZmm) == kAlsoMasksAndZmm && f_dq_bw_vl) found |= isa_bit(Isa::kAvx512);
+  if ((saved & kAlsoMasksAndZmm) == kAlsoMasksAndZmm && f_dq_bw_vl) {
+    found |= isa_bit(Isa::kAvx512);
+    if (bit(ecx, 11)) found |= isa_bit(Isa::kAvx512Vnni);
+  }
+  const bool has_subleaf = eax >= 1 && __get_cpuid_count(7, 1, &eax, &ebx, &ecx, &edx) != 0;
+  if (has_avx2 && has_subleaf && bit(eax, 4)) found |= isa_bit(Isa::kAvxVnni);
   return found;
 }
 
 #elif defined(__aarch64__)
 
 IsaSet detect_family() noexcept {
-  return isa_bit(Isa::kNeon);  // part of the baseline
+  IsaSet found = isa_bit(Isa::kNeon);  // part of the baseline
+#if defined(__linux__)
+  constexpr unsigned kHwcapDotBit = 20;
+  constexpr unsigned kHwcap2MatrixBit = 13;
+  if (bit(static_cast<unsigned>(getauxval(AT_HWCAP)), kHwcapDotBit)) {
+    found |= isa_bit(Isa::kNeonDot);
+    if (bit(static_cast<unsigned>(getauxval(AT_HWCAP2)), kHwcap2MatrixBit)) found |= isa_bit(Isa::kNeonMm);
+  }
+#endif
+  return found;
 }
 
 #elif defined(__arm__)
@@ -79,10 +94,18 @@ const char* isa_name(Isa isa) noexcept {
       return "sse41";
     case Isa::kAvx2:
       return "avx2";
+    case Isa::kAvxVnni:
+      return "avxvnni";
     case Isa::kAvx512:
       return "avx512";
+    case Isa::kAvx512Vnni:
+      return "avx512vnni";
     case Isa::kNeon:
       return "neon";
+    case Isa::kNeonDot:
+      return "neondot";
+    case Isa::kNeonMm:
+      return "neonmm";
   }
   return "unknown";
 }

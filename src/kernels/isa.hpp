@@ -7,9 +7,20 @@
 namespace egofocus {
 
 /// Bit numbers of Config::isa_mask: they never change meaning. Lowest first within a family.
-enum class Isa : std::uint8_t { kScalar = 0, kSse41 = 1, kAvx2 = 2, kAvx512 = 4, kNeon = 8 };
+enum class Isa : std::uint8_t {
+  kScalar = 0,
+  kSse41 = 1,
+  kAvx2 = 2,
+  kAvxVnni = 3,
+  kAvx512 = 4,
+  kAvx512Vnni = 5,
+  kNeon = 8,
+  kNeonDot = 9,
+  kNeonMm = 10,
+};
 
-inline constexpr Isa kEveryIsa[] = {Isa::kScalar, Isa::kSse41, Isa::kAvx2, Isa::kAvx512, Isa::kNeon};
+inline constexpr Isa kEveryIsa[] = {Isa::kScalar,     Isa::kSse41, Isa::kAvx2,    Isa::kAvxVnni, Isa::kAvx512,
+                                    Isa::kAvx512Vnni, Isa::kNeon,  Isa::kNeonDot, Isa::kNeonMm};
 
 /// One bit per Isa.
 using IsaSet = std::uint32_t;
@@ -22,7 +33,8 @@ constexpr bool has_isa(IsaSet set, Isa isa) noexcept {
 }
 
 /// What the processor has and the operating system saves on a context switch. kScalar is always in it.
-/// kAvx512 means F, BW, VL and DQ together.
+/// kAvx512 means F, BW, VL and DQ together; a level comes with the lower ones of its family, but for
+/// kAvxVnni, which is no part of the 512-bit ones. kNeonMm: the 8-bit matrix multiplication (I8MM).
 IsaSet detect_isa() noexcept;
 
 /// "scalar", "sse41", ...: the suffix of files, symbols, tests and logs. Never null.

@@ -96,8 +96,13 @@ static inline __m256i narrow_s8_avx2(__m256i low, __m256i high, __m256i zero) no
 // ------------------------------------------------------------------------
 #if defined(__AVX512BW__) && defined(__AVX512VL__)
 
+/// r before its clamp, for who clamps to less than s16 anyhow.
+static inline __m512i requant_s32_avx512(__m512i acc, __m512 scale) noexcept {
+  return _mm512_cvtps_epi32(_mm512_mul_ps(_mm512_cvtepi32_ps(acc), scale));
+}
+
 static inline __m256i requant_s16_avx512(__m512i acc, __m512 scale) noexcept {
-  return _mm512_cvtsepi32_epi16(_mm512_cvtps_epi32(_mm512_mul_ps(_mm512_cvtepi32_ps(acc), scale)));
+  return _mm512_cvtsepi32_epi16(requant_s32_avx512(acc, scale));
 }
 
 static inline __m128i narrow_u8_avx512(__m256i lanes, __m256i zero) noexcept {

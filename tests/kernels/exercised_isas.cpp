@@ -22,7 +22,9 @@ IsaSet bodies_of(const std::string& op) {
     for (Isa isa : isas) set |= isa_bit(isa);
     return set;
   };
-  if (op == "conv_u8s8") return set_of({});
+  if (op == "conv_u8s8") {
+    return set_of({Isa::kAvx2, Isa::kAvxVnni, Isa::kAvx512Vnni});
+  }
   return set_of({Isa::kSse41, Isa::kAvx2, Isa::kAvx512, Isa::kNeon});
 }
 
@@ -39,6 +41,18 @@ IsaSet compiled_isas() {
 #endif
 #ifdef EGOFOCUS_HAVE_NEON
   set |= isa_bit(Isa::kNeon);
+#endif
+#ifdef EGOFOCUS_HAVE_AVXVNNI
+  set |= isa_bit(Isa::kAvxVnni);
+#endif
+#ifdef EGOFOCUS_HAVE_AVX512VNNI
+  set |= isa_bit(Isa::kAvx512Vnni);
+#endif
+#ifdef EGOFOCUS_HAVE_NEONDOT
+  set |= isa_bit(Isa::kNeonDot);
+#endif
+#ifdef EGOFOCUS_HAVE_NEONMM
+  set |= isa_bit(Isa::kNeonMm);
 #endif
   return set;
 }

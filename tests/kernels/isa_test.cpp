@@ -15,11 +15,17 @@ TEST_CASE("the scalar set is always there, and names are distinct") {
 }
 
 TEST_CASE("families do not mix, and a higher level comes with the lower ones") {
-  const IsaSet x86 = isa_bit(Isa::kSse41) | isa_bit(Isa::kAvx2) | isa_bit(Isa::kAvx512);
+  IsaSet x86 = 0;
+  for (Isa isa : {Isa::kSse41, Isa::kAvx2, Isa::kAvxVnni, Isa::kAvx512, Isa::kAvx512Vnni})
+    x86 |= isa_bit(isa);
   const IsaSet found = detect_isa();
   REQUIRE(((found & x86) == 0 || !has_isa(found, Isa::kNeon)));
   if (has_isa(found, Isa::kAvx512)) REQUIRE(has_isa(found, Isa::kAvx2));
+  if (has_isa(found, Isa::kAvx512Vnni)) REQUIRE(has_isa(found, Isa::kAvx512));
+  if (has_isa(found, Isa::kAvxVnni)) REQUIRE(has_isa(found, Isa::kAvx2));
   if (has_isa(found, Isa::kAvx2)) REQUIRE(has_isa(found, Isa::kSse41));
+  if (has_isa(found, Isa::kNeonMm)) REQUIRE(has_isa(found, Isa::kNeonDot));
+  if (has_isa(found, Isa::kNeonDot)) REQUIRE(has_isa(found, Isa::kNeon));
 #if defined(__aarch64__)
   REQUIRE(has_isa(found, Isa::kNeon));
 #endif

@@ -1,0 +1,59 @@
+// The network's convolutions at 346x260, each with its memory: what the benchmarks run.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/conv_u8s8.hpp"
+
+namespace egofocus::bench {
+
+struct ConvLayer {
+  const char* name;
+  std::int32_t in_channels;
+  std::int32_t out_channels;
+  std::int32_t side;
+  std::int32_t stride;
+  std::int32_t dilation;
+  std::int32_t rows;
+  std::int32_t columns;
+  ConvEpilogue epilogue;
+  std::int32_t times;             ///< in one tick of `base`
+  std::int32_t output_pixel = 0;  ///< bytes, where the output is a part of another tensor's channels
+};
+
+inline constexpr ConvLayer kConvLayers[] = {
+    {"focus_3x3_8_8", 8, 8, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32},
+    {"focus_3x3_8_4", 8, 4, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32, 144},
+    {"mix_1x1_144_48", 144, 48, 1, 1, 1, 65, 87, ConvEpilogue::kRelu, 1},
+    {"block4_3x3_48_48", 48, 48, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 2},
+    {"block4_add_3x3_48_48", 48, 48, 3, 1, 1, 65, 87, ConvEpilogue::kAdd, 2},
+    {"down_3x3s2_48_80", 48, 80, 3, 2, 1, 33, 44, ConvEpilogue::kRelu, 1},
+    {"block8_3x3_80_80", 80, 80, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 4},
+    {"down_3x3s2_80_128", 80, 128, 3, 2, 1, 17, 22, ConvEpilogue::kRelu, 1},
+    {"block16_3x3_128_128", 128, 128, 3, 1, 1, 17, 22, ConvEpilogue::kRelu, 6},
+    {"up_1x1_128_80", 128, 80, 1, 1, 1, 17, 22, ConvEpilogue::kSmall, 1},
+    {"up_1x1_80_48", 80, 48, 1, 1, 1, 33, 44, ConvEpilogue::kSmall, 1},
+    {"score_1x1_48_32", 48, 32, 1, 1, 1, 65, 87, ConvEpilogue::kScore, 1},
+    {"score_1x1_4_1", 4, 1, 1, 1, 1, 5655, 32, ConvEpilogue::kScore, 1},
+    {"refine_3x3_8_16", 8, 16, 3, 1, 1, 130, 173, ConvEpilogue::kRelu, 1},
+    {"refine_3x3_16_16", 16, 16, 3, 1, 1, 130, 173, ConvEpilogue::kRelu, 1},
+    {"refine_3x3d2_16_16", 16, 16, 3, 1, 2, 130, 173, ConvEpilogue::kRelu, 1},
+    {"refine_3x3d4_16_16", 16, 16, 3, 1, 4, 130, 173, ConvEpilogue::kRelu, 1},
+    {"refine_3x3_16_1", 16, 1, 3, 1, 1, 130, 173, ConvEpilogue::kScore, 1},
+};
+
+/// One layer with random operands, packed for one variant.
+class ConvLoad {
+ public:
+  ConvLoad(const ConvLayer& layer, const ConvPacking& packing);
+  const ConvU8S8& conv() const { return conv_; }
+  double multiplications() const;
+
+ private:
+  ConvU8S8 conv_;
+  std::vector<std::uint8_t> input_, addend_, output_;
+  std::vector<std::int64_t> packed_;
+};
+
+}  // namespace egofocus::bench
