@@ -181,6 +181,7 @@ Json ReplayReport::summary(recording::Replay& replay) const {
   const double span_s = static_cast<double>(replay.last_event_us() - replay.first_event_us()) * 1e-6;
   Json facts;
   facts.add("recording", replay.folder().path.string())
+      .add("backend", replay.config().backend == Backend::kNetwork ? "network" : "focus")
       .add("isa", replay.engine().isa())
       .add("threads", replay.config().threads)
       .add("arena_bytes", replay.arena_bytes())
