@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <bit>
 
-#include "citysim/true_ladder.hpp"
-
 namespace egofocus::citysim {
 namespace {
 
 constexpr std::int64_t kWarmUpUs = 10000;  // the low pass forgets how it began
 
 constexpr int kTakeWindows = 3;  // filmed in one go
+constexpr double kEarliest_s = 1e-6 * (kLongestWindowUs + kWarmUpUs);
 
 class Bytes {
  public:
@@ -46,10 +45,10 @@ WindowEnd window_end(const World& world, std::int64_t end_us) {
 /// A random time, preferably one with parallax.
 WindowEnd draw_end(const World& world, double duration_s, Random& random) {
   const int tries = random.chance(0.9) ? 12 : 1;
-  const double enough_px = random.chance(0.85) ? kFullParallax_px : 0;
+  const double enough_px = random.chance(0.75) ? kFullParallax_px : 0;
   WindowEnd best;
   for (int i = 0; i < tries; ++i) {
-    const auto at_us = static_cast<std::int64_t>(1e6 * random.uniform(0.3, duration_s - 0.3));
+    const auto at_us = static_cast<std::int64_t>(1e6 * random.uniform(kEarliest_s, duration_s - 0.3));
     const WindowEnd tried = window_end(world, at_us);
     if (i == 0 || tried.ladder.parallax_px > best.ladder.parallax_px) best = tried;
     if (tried.ladder.has_parallax && tried.ladder.parallax_px >= enough_px) break;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "citysim/film.hpp"
+#include "citysim/true_ladder.hpp"
 
 namespace egofocus::citysim {
 
@@ -21,7 +22,7 @@ struct SampleMotion {
 /// Time 0 is the window's end, about which the truth is. Truth lies on the working grid (the camera's pinhole
 /// part), row-major.
 struct Sample {
-  static constexpr int kMotions = 21;
+  static constexpr int kMotions = kLongestWindowUs / 10000 + 1;
 
   Family family{};
   bool night = false;
@@ -36,7 +37,7 @@ struct Sample {
   std::vector<std::uint8_t> moving;  ///< 1: on something that moves by itself
 };
 
-/// Windows of one world, up to 0.2 s long and no longer than the library's own ladder allows, three to a
+/// Windows of one world, up to a second long and no longer than the library's own ladder allows, three to a
 /// take: the first at a random time, the others each later by 0.3 to 0.5 of a window. (Ticks at 20 Hz overlap
 /// by more.) Nine of ten takes have parallax where the world has any, most of them all that the ladder can
 /// use.

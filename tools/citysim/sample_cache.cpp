@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using recording::Error;
 using recording::ExitCode;
 
-constexpr char kMagic[8] = {'E', 'G', 'S', 'H', 'A', 'R', 'D', '1'};
+constexpr char kMagic[8] = {'E', 'G', 'S', 'H', 'A', 'R', 'D', '2'};
 constexpr double kWorld_s = 12;
 constexpr int kLibraryShards = 8;  // that share a stock of surfaces: making one takes as long as ten samples
 

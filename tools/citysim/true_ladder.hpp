@@ -8,7 +8,7 @@
 
 namespace egofocus::citysim {
 
-inline constexpr std::int64_t kLongestWindowUs = 200000;  ///< as the library's
+inline constexpr std::int64_t kLongestWindowUs = WindowConfig{}.max_age_us;
 
 /// A ladder with this much parallax is called full.
 inline constexpr double kFullParallax_px = 0.9 * LadderConfig{}.span_px;

@@ -42,6 +42,9 @@ py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t
   config.ladder = ladder_of(ladder);
   config.window.max_events = max_events;
   config.window.min_events = 0;
+  // No further back than the motion is known, as in the tick.
+  config.window.max_age_us =
+      std::clamp<std::int64_t>(kEnd_us - motion.front().t_us, 1000, config.window.max_age_us);
   const auto [left, top, width, height] = crop;
   std::unique_ptr<WindowStack> stack;
   bool has_stack = false;

@@ -44,7 +44,7 @@ class NetworkConfig:
     stem: int = 32  # published order: channels of the stem at 1/2
     refine_width: int = 16
     refine_dilations: list = field(default_factory=lambda: [1, 2, 4, 1])
-    regression_window: int = 0  # hypotheses on either side of the best that count; 0: all
+    regression: str = "median"  # weighted; or "expectation"
 
 
 @dataclass
@@ -167,6 +167,7 @@ def _check(config, where):
         need(name in ("gradient", "gradient_x", "gradient_y", "squares") and side in ("1", "3", "5", "7"),
              f"[input] maps: `{entry}` is not gradient, gradient_x, gradient_y or squares with :1 :3 :5 :7")
     need(n.order in ("focus_first", "published"), "[network] order: focus_first or published")
+    need(n.regression in ("median", "expectation"), "[network] regression: median or expectation")
     need(n.cost_channels > 0 or n.order == "focus_first", "[network] cost_channels: the published order needs some")
     need(min(n.cost_channels, n.cost_hidden, n.ihca_blocks) >= 0, "[network] channels and blocks are not negative")
     need(len(n.widths) == 3 and len(n.blocks) == 3 and len(n.up_blocks) == 2,

@@ -73,10 +73,10 @@ class IntegerModel:
     """network: a FocusNetwork that rounds (quantisation.py), order focus_first, without IHCA."""
 
     def __init__(self, network):
-        if network.published or len(network.ihca) or not network.aggregation.head.active:
-            raise ValueError("an integer model is made of a quantised network of order focus_first, without IHCA")
+        if network.published or len(network.ihca) or not network.median or not network.aggregation.head.active:
+            raise ValueError("an integer model is made of a quantised network of order focus_first, without IHCA, with a median")
         a, r = network.aggregation, network.refinement
-        self.hypotheses, self.window = network.hypotheses, network.window
+        self.hypotheses = network.hypotheses
         focus_scale, cost_scale = FOCUS, float(network.cost_scale())
         self.fcd, scale = [], focus_scale
         for i, layer in enumerate(network.fcd.filter):
@@ -116,7 +116,7 @@ class IntegerModel:
         out["b4"] = b4 = self._blocks(self._join(a4, self.narrow_8, b8), self.up_4)
         own = np.stack([self.own.requantised(plane)[0] for plane in cost])
         out["scores"] = scores = self.head.requantised(b4) + own
-        out["index_4"], out["confidence"] = self._regression(scores, int(used), context[-2], self.window)
+        out["index_4"], out["confidence"] = self._regression(scores, int(used), context[-2])
         out["index"] = self._refinement(out["index_4"], b4, half, int(used), out)
         return out
 
@@ -137,14 +137,16 @@ class IntegerModel:
         return np.clip(x + _rounded_16(twice_as_large(small, *x.shape[1:])), 0, HIGH).astype(np.int32)
 
     @staticmethod
-    def _regression(scores, used, step_bytes, window=0):
+    def _regression(scores, used, step_bytes):
         below = scores[:used].max(0) - scores[:used]
         p = EXP[np.minimum(below, len(EXP) - 1)]
         total = p.sum(0)
-        k = np.arange(used)[:, None, None]
-        near = np.abs(k - scores[:used].argmax(0)) <= (window or used)
-        share = (p * near).sum(0)
-        index = ((k * p * near).sum(0) * 256 + share // 2) // share
+        weight = p * (8 * np.arange(used)[:, None, None] + 1)
+        below = weight.cumsum(0)
+        best = (2 * below < below[-1]).sum(0)
+        own = np.take_along_axis(weight, best[None], 0)[0]
+        rest = below[-1] - 2 * (np.take_along_axis(below, best[None], 0)[0] - own)
+        index = np.clip(256 * best - 128 + (256 * rest + own) // (2 * own), 0, 256 * (used - 1))
         nearest = (index + 128) >> 8
         mass = np.zeros_like(total)
         for offset in (-1, 0, 1):

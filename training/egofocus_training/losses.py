@@ -1,7 +1,7 @@
 """The loss: is the distribution right, is the index right, and is the depth not grossly wrong?
 
     L = a H(label, p) + b sum_s huber(i_s - t_s) + c sum_s (|l_s| + f l_s^2) + d H(label_8, p_8),  l = ln((i + e) / (t + e))
-s: 1/4 (regression) and 1/2 (refined); t: truth's index; every term a mean over cells, weighted where things move.
+s: 1/2 (refined), and 1/4 where the regression has a gradient (an expectation); t: truth's index; every term a mean over cells, weighted where things move.
 l is the error of log depth: sky in place of a near wall costs ln(1 + t / e), and its square more than many small errors.
 Without the square the estimate is a median, which in doubt goes far away.
 """
@@ -38,6 +38,8 @@ def loss_terms(prediction, batch, config):
              weighted_mean(cross_entropy(prediction.scores, batch["label"], used), batch["weight_4"])}
     index = log = 0.0
     for estimate, scale in ((prediction.index_4, 4), (prediction.index, 2)):
+        if not estimate.requires_grad and prediction.index.requires_grad:
+            continue
         truth, weight = batch[f"index_{scale}"], batch[f"weight_{scale}"]
         index = index + weighted_mean(huber(estimate.float() - truth), weight)
         log = log + weighted_mean(log_error(estimate.float().clamp(min=0), truth, config.log_floor, config.log_square),

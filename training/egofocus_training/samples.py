@@ -8,9 +8,8 @@ import numpy as np
 
 from .errors import BAD_FILE, FILE, TrainingError
 
-MAGIC = b"EGSHARD1"
 FAMILIES = ("town1", "town2_night", "town3", "town4", "town5_night", "room", "desk", "corridor")
-MOTIONS = 21
+MOTIONS = {b"EGSHARD1": 21, b"EGSHARD2": 101}  # of a window, by the format of its shard: over 0.2 s and 1 s
 _HEAD = struct.Struct("<QqBBHHH10diI")  # to the number of events
 _MOTION = np.dtype([("t_us", "<i4"), ("velocity_m_s", "<f4", 3), ("rate_rad_s", "<f4", 3)])
 _EVENT = np.dtype([("t_us", "<i4"), ("x", "<u2"), ("y_polarity", "<u2")])
@@ -42,9 +41,9 @@ class Sample:
     camera: Camera
     z_near_m: float
     window_us: int
-    motion_t_us: np.ndarray  # [21]
-    velocity_m_s: np.ndarray  # [21, 3], camera frame
-    rate_rad_s: np.ndarray  # [21, 3]
+    motion_t_us: np.ndarray  # [motions]
+    velocity_m_s: np.ndarray  # [motions, 3], camera frame
+    rate_rad_s: np.ndarray  # [motions, 3]
     t_us: np.ndarray  # [n] <= 0
     x: np.ndarray  # [n] distorted pixels
     y: np.ndarray
@@ -53,7 +52,7 @@ class Sample:
     moving: np.ndarray  # [height, width] bool
 
 
-def parse_sample(record, where):
+def parse_sample(record, where, motions=21):
     """The sample of a record's bytes; TrainingError (BAD_FILE) when they are not one."""
     def bad(what):
         return TrainingError(BAD_FILE, where, f"{what}. Delete the shard; `citysim samples` makes it again.")
@@ -63,14 +62,14 @@ def parse_sample(record, where):
     (seed, at_us, family, night, width, height, distortion, fx, fy, cx, cy, *more, window_us, n) = _HEAD.unpack_from(record)
     coefficients, z_near_m = np.array(more[:5]), more[5]
     pixels = width * height
-    expected = _HEAD.size + MOTIONS * _MOTION.itemsize + n * _EVENT.itemsize + 4 + 3 * pixels
+    expected = _HEAD.size + motions * _MOTION.itemsize + n * _EVENT.itemsize + 4 + 3 * pixels
     if len(record) != expected:
         raise bad(f"the record has {len(record)} bytes; {width}x{height} px and {n} events make {expected}")
     numbers = (fx, fy, cx, cy, z_near_m, *coefficients)
     if family >= len(FAMILIES) or distortion > 2 or not np.all(np.isfinite(numbers)) or min(fx, fy, z_near_m) <= 0:
         raise bad("family, camera or z_near make no sense")
     at = _HEAD.size
-    motion = np.frombuffer(record, _MOTION, MOTIONS, at)
+    motion = np.frombuffer(record, _MOTION, motions, at)
     at += motion.nbytes
     events = np.frombuffer(record, _EVENT, n, at)
     at += events.nbytes
@@ -102,10 +101,11 @@ class Shard:
                 self._bytes = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
         except (OSError, ValueError) as error:
             raise TrainingError(FILE, self.path, f"cannot be read ({error}).") from None
-        if self._bytes[:len(MAGIC)] != MAGIC:
-            raise TrainingError(BAD_FILE, self.path, "is no shard: it does not begin with EGSHARD1.")
+        self._motions = MOTIONS.get(self._bytes[:8])
+        if self._motions is None:
+            raise TrainingError(BAD_FILE, self.path, f"is no shard: it begins with none of {', '.join(m.decode() for m in MOTIONS)}.")
         self._records = []
-        at = len(MAGIC)
+        at = 8
         while at < len(self._bytes):
             if at + 4 > len(self._bytes):
                 self._cut(at)
@@ -139,7 +139,7 @@ class Shard:
 
     def __getitem__(self, index):
         at, size = self._records[index]
-        return parse_sample(self._bytes[at:at + size], f"{self.path}, sample {index}")
+        return parse_sample(self._bytes[at:at + size], f"{self.path}, sample {index}", self._motions)
 
 
 def find_shards(folders):

@@ -32,7 +32,8 @@ SPEED_M_S, WINDOW_US = 1.0, 200000
 TOWN1, ROOM = 0, 5
 
 
-def record(depth_m, seed=1, family=ROOM, points=400, near=None, z_near_m=1.0, coefficients=(0, 0, 0, 0, 0), distortion=0):
+def record(depth_m, seed=1, family=ROOM, points=400, near=None, z_near_m=1.0, coefficients=(0, 0, 0, 0, 0), distortion=0,
+           motions=21):
     """One sample: a wall at depth_m; with near = (x0, x1, metres) those columns of the reference view are nearer."""
     random = np.random.default_rng(seed)
     depth = np.full((HEIGHT, WIDTH), depth_m)
@@ -52,8 +53,8 @@ def record(depth_m, seed=1, family=ROOM, points=400, near=None, z_near_m=1.0, co
     out = struct.pack("<QqBBHHH", seed, 5_000_000, family, 0, WIDTH, HEIGHT, distortion)
     out += struct.pack("<10d", FOCAL, FOCAL, cx, cy, *coefficients, z_near_m)
     out += struct.pack("<iI", WINDOW_US, t_us.size)
-    for i in range(21):
-        out += struct.pack("<i6f", -200000 + 10000 * i, SPEED_M_S, 0, 0, 0, 0, 0)
+    for i in range(motions):
+        out += struct.pack("<i6f", 10000 * (i + 1 - motions), SPEED_M_S, 0, 0, 0, 0, 0)
     for e in range(t_us.size):
         out += struct.pack("<iHH", t_us[e], x[e], y[e] | (0x8000 if e % 2 else 0))
     rho = 1 / depth
@@ -64,8 +65,8 @@ def record(depth_m, seed=1, family=ROOM, points=400, near=None, z_near_m=1.0, co
     return out + moving.tobytes()
 
 
-def shard_bytes(records):
-    return b"EGSHARD1" + b"".join(struct.pack("<I", len(r)) + r for r in records)
+def shard_bytes(records, magic=b"EGSHARD1"):
+    return magic + b"".join(struct.pack("<I", len(r)) + r for r in records)
 
 
 def write_shards(folder, shards):

@@ -28,7 +28,6 @@ blocks = [1, 1, 1]
 up_blocks = [1, 1]
 refine_width = 8
 refine_dilations = [1, 2]
-regression_window = 5
 """
 
 
@@ -136,24 +135,24 @@ def test_regression_by_hand():
     scores = np.array([0, 32, 64, 1000]).reshape(4, 1, 1)  # the fourth is no hypothesis of this ladder
     index, trust = IntegerModel._regression(scores, 3, np.full((1, 1), ZERO + 32))
     p = np.exp([0.0, 1.0, 2.0])
-    mean = (p * [0, 1, 2]).sum() / p.sum()
-    assert abs(index[0, 0] - 256 * mean) <= 0.51
-    moved = mean * 1.0  # 32 bytes above zero: 1 px a hypothesis
+    w = p * [1, 9, 17]
+    median = 1.5 + (w.sum() / 2 - w[0] - w[1]) / w[2]
+    assert abs(index[0, 0] - 256 * median) <= 0.51
+    moved = median * 1.0  # 32 bytes above zero: 1 px a hypothesis
     near = p[1:].sum() / p.sum()  # hypotheses 1, 2 and no third
     assert abs(trust[0, 0] - 255 * near * moved / (moved + 1)) <= 1.1
     assert IntegerModel._regression(scores, 3, np.full((1, 1), ZERO))[1][0, 0] == 0
 
 
-def test_a_window_about_the_best_hypothesis_keeps_two_depths_apart():
-    scores = np.array([96, 64, 0, 0, 96, 80]).reshape(6, 1, 1)  # 0 and 4 alike: the first one counts
+def test_one_of_two_depths_is_taken_and_the_ladders_ends_are_kept():
     step = np.full((1, 1), ZERO + 32)
-    index, trust = IntegerModel._regression(scores, 6, step, window=1)
-    p = np.exp(np.array([96, 64, 0, 0, 96, 80]) / 32)
-    mean = p[1] / (p[0] + p[1])
-    assert abs(index[0, 0] - 256 * mean) <= 0.51
-    near = (p[0] + p[1]) / p.sum()  # of everything: that another depth is as likely shows in the confidence
-    assert abs(trust[0, 0] - 255 * near * mean / (mean + 1)) <= 1.1
-    assert IntegerModel._regression(scores, 6, step)[0][0, 0] > 256 * 2
+    two = np.array([0, 96, 0, 0, 0, 0, 90, 0]).reshape(8, 1, 1)  # the nearer one is a little less likely
+    index, _ = IntegerModel._regression(two, 8, step)
+    assert abs(index[0, 0] - 256 * 6) < 128
+    for at, end in ((0, 0), (7, 256 * 7)):
+        sure = np.zeros((8, 1, 1), int)
+        sure[at] = 800
+        assert IntegerModel._regression(sure, 8, step)[0][0, 0] == end
 
 
 def test_weights_round_to_int8_with_a_scale_for_each_output():

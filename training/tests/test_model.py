@@ -13,7 +13,7 @@ from egofocus_training.model.ihca import InterHypothesisBlock
 from egofocus_training.model.layers import neighbours, per_hypothesis, twice_as_large
 from egofocus_training.model.network import FocusNetwork
 from egofocus_training.model.refinement import Refinement, gather_focused
-from egofocus_training.model.regression import confidence, distribution, expected_index
+from egofocus_training.model.regression import confidence, distribution, expected_index, median_index
 
 
 def constant_weights(module, value):
@@ -106,7 +106,8 @@ def test_distribution_and_index():
     p = distribution(scores, torch.tensor([3]))  # the fourth is no hypothesis of this ladder
     assert p.flatten().tolist() == pytest.approx([1 / 8, 2 / 8, 5 / 8, 0])
     assert expected_index(p).item() == pytest.approx((2 + 10) / 8)
-    assert expected_index(p, window=1).item() == pytest.approx((2 + 10) / 7)  # about the best, 2: hypotheses 1 and 2
+    # Weights p (8 k + 1): 1, 18, 85 of 104 (of eighths): half of them is 33 into the third, which reaches from 1.5 to 2.5.
+    assert median_index(p, torch.tensor([3])).item() == pytest.approx(1.5 + 33 / 85)
 
 
 def test_confidence_is_mass_times_parallax():
@@ -146,7 +147,7 @@ def test_shapes(order, ihca, size):
     assert prediction.scores.shape == (2, 16, -(-height // 4), -(-width // 4))
     assert prediction.index.shape == (2, -(-height // 2), -(-width // 2))
     assert prediction.confidence.shape == prediction.index_4.shape == (2, -(-height // 4), -(-width // 4))
-    prediction.index.sum().backward()
+    (prediction.index.sum() + prediction.scores.sum()).backward()
     unused = [name for name, p in network.named_parameters() if p.grad is None]
     assert [name for name in unused if "coarse_head" not in name] == []
 

@@ -42,11 +42,18 @@ def test_a_shard_and_its_damage(tmp_path):
     shard = Shard(path)
     assert len(shard) == 2 and shard.world(1) == 6 and shard[1].seed == 6
     for damaged, code, words in ((whole[:-1], BAD_FILE, "ends inside the record"), (b"", FILE, "cannot be read"),
-                                 (whole[:10], BAD_FILE, "ends inside"), (b"EGSHARD2" + whole[8:], BAD_FILE, "is no shard")):
+                                 (whole[:10], BAD_FILE, "ends inside"), (b"EGSHARD9" + whole[8:], BAD_FILE, "is no shard")):
         path.write_bytes(damaged)
         assert refusal(lambda: Shard(path))[0] == code
         assert words in refusal(lambda: Shard(path))[1]
     assert refusal(lambda: Shard(tmp_path / "none.egs"))[0] == FILE
+
+
+def test_windows_of_a_second(tmp_path):
+    path = tmp_path / "shard_000000.egs"
+    path.write_bytes(small_world.shard_bytes([small_world.record(2.0, motions=101)], b"EGSHARD2"))
+    sample = Shard(path)[0]
+    assert sample.motion_t_us.tolist() == list(range(-1000000, 1, 10000)) and sample.velocity_m_s.shape == (101, 3)
 
 
 @pytest.mark.parametrize("at, value, words", [

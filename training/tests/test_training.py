@@ -179,7 +179,7 @@ def test_checkpoints_that_are_none_or_another_networks(folder, tmp_path):
 def test_a_training_begins_with_given_weights(folder, tmp_path):
     first, _ = trained(configured(folder), 2)
     first.save(tmp_path)
-    config = configured(folder, network="regression_window = 2", train=f'start = "{tmp_path / "weights.pt"}"')
+    config = configured(folder, network="regression = 'expectation'", train=f'start = "{tmp_path / "weights.pt"}"')
     begun = Trainer(config, first.find_paths)
     assert begun.step == 0
     for name, tensor in first.average.network.state_dict().items():

@@ -11,7 +11,7 @@ from .fcd import FeatureFocusCost, FocusCost
 from .feature_pyramid import FeaturePyramid
 from .ihca import InterHypothesisBlock
 from .refinement import Refinement
-from .regression import confidence, distribution, expected_index
+from .regression import confidence, distribution, expected_index, median_index
 
 _STACK_SCALE = 1 / 4  # published order: one fixed scale of the counts, saturating at 15
 
@@ -34,7 +34,7 @@ class FocusNetwork(nn.Module):
         super().__init__()
         self.hypotheses = depth = input_config.hypotheses
         self.published = config.order == "published"
-        self.window = config.regression_window
+        self.median = config.regression == "median"
         if self.published:
             self.features = FeaturePyramid(depth, config.stem, config.widths, config.blocks)
             self.fcd = FeatureFocusCost(config.cost_channels)
@@ -56,7 +56,7 @@ class FocusNetwork(nn.Module):
         cost = self.ihca(cost)
         scores, coarse, features = self.aggregation(cost, context)
         p = self.regression(scores, inputs["used"])
-        index_4 = expected_index(p, self.window)
+        index_4 = median_index(p, inputs["used"]) if self.median else expected_index(p)
         index = self.refinement(index_4, inputs["half"], features, inputs["used"])
         with torch.no_grad():
             trust = confidence(p, index_4, context[:, -2])
