@@ -94,7 +94,7 @@ Json describe_model(std::span<const std::byte> bytes, const std::string& name) {
       .add("refine_width", f.refine_width)
       .add("refine_dilations",
            numbers(std::span(f.dilations).first(static_cast<std::size_t>(f.dilation_count))))
-      .add("regression_window", f.regression_window)
+      .add("regression", "median")
       .add("weights", parameters)
       .add("layers", layers);
   return facts;

@@ -24,6 +24,7 @@ constexpr std::size_t kLayerBytes = 48;
 constexpr std::size_t kFactsBytes = 128;
 constexpr std::size_t kMostCardBytes = 65536;
 constexpr std::uint32_t kConvolution = 1;
+constexpr std::int32_t kMedian = 1;
 constexpr std::int32_t kMostBias = 1 << 30;
 constexpr float kLeastScale = 0x1p-40f;
 
@@ -141,7 +142,7 @@ Status read_facts(std::span<const std::byte> bytes, const Sections::Piece& piece
   for (std::int32_t& blocks : out.blocks) blocks = in.number("blocks", 0, 8);
   for (std::int32_t& blocks : out.up_blocks) blocks = in.number("blocks on the way up", 0, 8);
   out.refine_width = in.number("width of the refinement", 4, 64, 4);
-  out.regression_window = in.number("regression window", 0, 64);
+  const std::int32_t regression = in.number("regression", 0, 255);
   out.dilation_count = in.number("convolutions of the refinement", 0, ModelFacts::kMostDilations);
   for (std::int32_t i = 0; i < ModelFacts::kMostDilations; ++i) {
     const bool used = i < out.dilation_count;
@@ -150,6 +151,7 @@ Status read_facts(std::span<const std::byte> bytes, const Sections::Piece& piece
   const bool hidden = out.focus_layers == 2;
   out.cost_hidden = in.number("channels between the focus convolutions", hidden ? 4 : 0, hidden ? 64 : 0, 4);
   if (!in.status().ok()) return in.status();
+  if (regression != kMedian) return {StatusCode::kUnsupportedModel, "regression", regression, kMedian};
   if (const Status status = check_ladder(out.ladder); !status.ok()) return bad(status.subject(), piece.at);
   if (const Status status = FocusInput::check(out.input); !status.ok())
     return bad(status.subject(), piece.at, status.value());

@@ -30,7 +30,6 @@ struct ModelFacts {
   std::int32_t refine_width = 0;
   std::int32_t dilation_count = 0;
   std::int32_t dilations[kMostDilations] = {};  ///< 1..4
-  std::int32_t regression_window = 0;           ///< hypotheses on either side of the best that count; 0: all
 };
 
 /// The network's convolutions in the order they run.

@@ -81,8 +81,7 @@ Network::Network(const Model& model, const Intrinsics& grid, const KernelTable& 
     : facts_(model.facts),
       grid_(grid),
       cells_(energy_grid(grid.width_px, grid.height_px)),
-      halves_(cell_grid(grid)),
-      regression_(model.facts.regression_window) {
+      halves_(cell_grid(grid)) {
   const auto layer = [&](LayerRole role, std::int32_t channels, std::int32_t n = 0) noexcept {
     return ConvLayer(model.layer(role, n), channels, kernels, arena);
   };

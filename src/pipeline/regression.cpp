@@ -11,7 +11,7 @@ constexpr std::uint64_t kOnePixel = 8192;  // of an index in 1/256 times a displ
 }  // namespace
 
 // No entry comes nearer to a half than 1e-3: the exponential's last bits do not matter.
-Regression::Regression(std::int32_t window) noexcept : window_(window) {
+Regression::Regression() noexcept {
   for (std::int32_t n = 0; n < kEntries; ++n)
     exponential_[n] = static_cast<std::uint16_t>(floor_of(65535.0 * exponential(-n / 32.0) + 0.5));
 }
@@ -26,21 +26,25 @@ void Regression::row(const std::int16_t* head, const std::int16_t* own, const st
     }
     const std::int32_t most = head[best] + own[best];
     std::uint32_t p[64];
-    std::uint32_t sum = 0;  // at most 64 * 65535
+    std::uint32_t weight[64];
+    std::uint32_t sum = 0;         // at most 64 * 65535
+    std::uint32_t all_weight = 0;  // below 2^31
     for (std::int32_t k = 0; k < used; ++k) {
       const std::int32_t below = most - head[k] - own[k];
       p[k] = exponential_[below < kEntries ? below : kEntries - 1];
+      weight[k] = p[k] * static_cast<std::uint32_t>(8 * k + 1);
       sum += p[k];
+      all_weight += weight[k];
     }
-    const std::int32_t from = window_ > 0 && best > window_ ? best - window_ : 0;
-    const std::int32_t to = window_ > 0 && best + window_ < used - 1 ? best + window_ : used - 1;
-    std::uint64_t weighted = 0;
-    std::uint32_t share = 0;  // the best one's entry is 65535
-    for (std::int32_t k = from; k <= to; ++k) {
-      weighted += static_cast<std::uint64_t>(k) * p[k];
-      share += p[k];
-    }
-    const auto index = static_cast<std::uint32_t>((256 * weighted + share / 2) / share);
+    // The weighted median. Its own weight is not 0: without it the sum would not have reached the half.
+    std::int32_t middle = 0;
+    std::uint32_t before = 0;
+    while (2 * (before + weight[middle]) < all_weight) before += weight[middle++];
+    const std::uint64_t rest = all_weight - 2 * before;
+    const auto share = static_cast<std::int32_t>((256 * rest + weight[middle]) / (2 * weight[middle]));
+    const std::int32_t unclamped = 256 * middle - 128 + share;
+    const std::int32_t last = 256 * (used - 1);
+    const auto index = static_cast<std::uint32_t>(unclamped < 0 ? 0 : (unclamped < last ? unclamped : last));
     const auto nearest = static_cast<std::int32_t>((index + 128) >> 8);
     std::uint64_t mass = 0;
     for (std::int32_t k = nearest - 1; k <= nearest + 1; ++k) {

@@ -8,8 +8,8 @@ namespace egofocus {
 
 class Regression {
  public:
-  /// window: hypotheses on either side of the best that count; 0: all. RT: no (set-up).
-  explicit Regression(std::int32_t window) noexcept;
+  /// RT: no (set-up).
+  Regression() noexcept;
 
   /// A row of cells. The score of hypothesis k < used is head[x * hypotheses + k] + own[x * hypotheses + k],
   /// in 1/32; shift[x]: the context's byte of the displacement's norm. Index in 1/256 hypothesis. used >= 1.
@@ -21,7 +21,6 @@ class Regression {
  private:
   static constexpr std::int32_t kEntries = 512;
   std::uint16_t exponential_[kEntries];  // round(65535 exp(-n / 32))
-  std::int32_t window_;
 };
 
 }  // namespace egofocus

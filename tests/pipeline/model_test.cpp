@@ -65,7 +65,6 @@ TEST_CASE("a sound model says what it is") {
   CHECK(facts.input.maps[1].kind == FocusMapKind::kSquares);
   CHECK(facts.input.maps[1].side == 7);
   CHECK(facts.input.maps[2].kind == FocusMapKind::kGradientX);
-  CHECK(facts.regression_window == 3);
   CHECK(facts.dilation_count == 2);
   CHECK(facts.dilations[1] == 2);
   CHECK(model->layer_count == 2 + 1 + 2 * (1 + 1 + 2 + 1 + 1) + 2 + 2 + 4 + 2 + 1);
@@ -111,6 +110,9 @@ TEST_CASE("each cause is told with its place") {
   }
   SECTION("operator") {
     CHECK(changed(layers, 7).code() == StatusCode::kUnsupportedModel);
+  }
+  SECTION("regression") {
+    CHECK(changed(facts + 108, 0).code() == StatusCode::kUnsupportedModel);
   }
   SECTION("hypotheses") {
     const Status status = changed(facts + 20, 17);

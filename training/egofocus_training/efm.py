@@ -13,7 +13,7 @@ VERSION = 1
 _MAGIC = b"\x89EFM\r\n\x1a\n"
 _ALIGNMENT = 16
 _FACTS, _CARD, _LAYERS, _DATA = 1, 2, 3, 4
-_CONVOLUTION = 1
+_CONVOLUTION, _MEDIAN = 1, 1
 _MAPS = ("gradient", "gradient_x", "gradient_y", "squares")
 _LADDERS = ("parallax", "metric")
 _MOST_MAPS, _MOST_DILATIONS, _MOST_BIAS = 8, 8, 2 ** 30
@@ -41,7 +41,7 @@ def _facts(config, grid):
     return struct.pack("<dd6I16s2I2I3I3I2I3I8sI", i.span_px, min(i.min_parallax_px, i.span_px), _LADDERS.index(i.ladder),
                        i.hypotheses, i.max_events, thousandths(i.floor_events), thousandths(i.floor_noise), len(i.maps),
                        maps.ljust(2 * _MOST_MAPS, b"\0"), *grid, 2 if n.cost_hidden else 1, n.cost_channels, *n.widths, *n.blocks,
-                       *n.up_blocks, n.refine_width, n.regression_window, len(n.refine_dilations),
+                       *n.up_blocks, n.refine_width, _MEDIAN, len(n.refine_dilations),
                        bytes(n.refine_dilations).ljust(_MOST_DILATIONS, b"\0"), n.cost_hidden)
 
 

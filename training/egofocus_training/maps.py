@@ -17,7 +17,7 @@ from .focus_input import binding_maps
 from .integer_model import IntegerModel
 from .journal import Progress
 from .machine import keep_freed_memory
-from .metrics import enlarge
+from .metrics import enlarge_q8
 from .quantisation import is_quantised
 from .windows import ladder_of, network_inputs, wanted_arrays
 
@@ -94,7 +94,7 @@ def main():
         if model is None:
             return predicted_index(network, facts, config)
         width, height = facts["grid"][:2]
-        return enlarge(model(**network_inputs(facts))["index"] / 256.0, height, width)
+        return enlarge_q8(model(**network_inputs(facts))["index"], height, width) / 256.0
 
     for name in arguments.recordings:
         folder = pathlib.Path(name)

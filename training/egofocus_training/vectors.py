@@ -32,7 +32,6 @@ blocks = [1, 1, 2]
 up_blocks = [1, 1]
 refine_width = 8
 refine_dilations = [1, 2]
-regression_window = 3
 """
 _TYPES = {"uint8": 1, "uint16": 2}
 _KEPT = ("cost", "a4", "a8", "a16", "b8", "b4", "index_4", "confidence", "refined", "index")
