@@ -3,6 +3,7 @@
 #include "core/check.hpp"
 #include "core/elementary.hpp"
 #include "pipeline/fixed_point.hpp"
+#include "pipeline/in_parts.hpp"
 
 namespace egofocus {
 namespace {
@@ -94,16 +95,28 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
 
 void FocusInput::run(std::span<const std::uint8_t> planes, const HypothesisLadder& ladder,
                      const double (&baseline_m)[3], WorkerPool& pool) noexcept {
+  begin(ladder, baseline_m);
+  const auto pixels = static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px);
+  in_parts(pool, [&](int part, int parts) noexcept {
+    for (std::int32_t k = used_ * part / parts; k < used_ * (part + 1) / parts; ++k)
+      add_plane(k, planes.subspan(static_cast<std::size_t>(k) * pixels, pixels), part);
+  });
+  finish(pool);
+}
+
+void FocusInput::begin(const HypothesisLadder& ladder, const double (&baseline_m)[3]) noexcept {
   EGOFOCUS_CHECK(ladder.count >= 1 && ladder.count <= hypotheses_);
-  planes_ = planes;
   used_ = ladder.count;
   displacements(ladder, baseline_m);
-  pool.run([](void* self, int part,
-              int parts) noexcept { static_cast<FocusInput*>(self)->sum_planes(part, parts); },
-           this);
-  pool.run(
-      [](void* self, int part, int parts) noexcept { static_cast<FocusInput*>(self)->rows(part, parts); },
-      this);
+}
+
+void FocusInput::add_plane(std::int32_t k, std::span<const std::uint8_t> plane, int part) noexcept {
+  sum_cells(plane, grid_.width_px, grid_.height_px, scratch_[part].counts,
+            {sums(0, k), sums(1, k), sums(2, k), sums(3, k)});
+}
+
+void FocusInput::finish(WorkerPool& pool) noexcept {
+  in_parts(pool, [this](int part, int parts) noexcept { rows(part, parts); });
 }
 
 // Where a cell's centre moves with one hypothesis more: its x depends on the column alone, its y on the row.
@@ -120,14 +133,6 @@ void FocusInput::displacements(const HypothesisLadder& ladder, const double (&ba
 std::span<std::uint16_t> FocusInput::sums(std::size_t map, std::int32_t k) const noexcept {
   const std::size_t plane = map * static_cast<std::size_t>(hypotheses_) + static_cast<std::size_t>(k);
   return sums_.subspan(plane * cells_.size(), cells_.size());
-}
-
-void FocusInput::sum_planes(int part, int parts) noexcept {
-  const auto pixels = static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px);
-  for (std::int32_t k = used_ * part / parts; k < used_ * (part + 1) / parts; ++k) {
-    sum_cells(planes_.subspan(static_cast<std::size_t>(k) * pixels, pixels), grid_.width_px, grid_.height_px,
-              scratch_[part].counts, {sums(0, k), sums(1, k), sums(2, k), sums(3, k)});
-  }
 }
 
 bool FocusInput::has_map(std::int32_t side) const noexcept {

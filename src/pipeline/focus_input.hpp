@@ -55,6 +55,12 @@ class FocusInput {
   void run(std::span<const std::uint8_t> planes, const HypothesisLadder& ladder,
            const double (&baseline_m)[3], WorkerPool& pool) noexcept;
 
+  /// The same in pieces, by whoever has one plane at a time: begin(), each plane of hypothesis k <
+  /// ladder.count once (by any part, also at once), finish(). RT: yes.
+  void begin(const HypothesisLadder& ladder, const double (&baseline_m)[3]) noexcept;
+  void add_plane(std::int32_t k, std::span<const std::uint8_t> plane, int part) noexcept;
+  void finish(WorkerPool& pool) noexcept;
+
   [[nodiscard]] const EnergyGrid& cells() const noexcept { return cells_; }
   /// density at sides 1 and 7, contrast of each map, parallax of one hypothesis x, y, norm, share of D
   [[nodiscard]] std::int32_t context_channels() const noexcept { return config_.map_count + 6; }
@@ -75,7 +81,6 @@ class FocusInput {
     SharpnessRow row;
   };
   void displacements(const HypothesisLadder& ladder, const double (&baseline_m)[3]) noexcept;
-  void sum_planes(int part, int parts) noexcept;
   void rows(int part, int parts) noexcept;
   void support(std::int32_t side, std::int32_t y, Scratch& s) noexcept;
   void parallax(std::int32_t y) noexcept;
@@ -94,7 +99,6 @@ class FocusInput {
   std::span<std::int32_t> column_q8_;  // [width] px of one hypothesis
   std::span<std::int32_t> row_q8_;     // [height]
   Scratch scratch_[kMaxParts];
-  std::span<const std::uint8_t> planes_;
   std::int32_t used_ = 0;
 };
 

@@ -20,7 +20,7 @@ namespace egofocus {
 
 /// Steps of a tick, for the memory plan. What lives in one of them only may lie where another one's lies.
 enum NetworkStep : int {
-  kStepProject,
+  kStepVote,
   kStepInput,
   kStepFocusCost,
   kStepMix,
@@ -33,11 +33,11 @@ enum NetworkStep : int {
   kStepRefine,
 };
 
-/// What it looks at. Planes as in docs/integer_model.md, "The network's input".
+/// What it looks at, as in docs/integer_model.md, "The network's input".
 struct NetworkInputs {
   std::span<const std::uint8_t> focus;    ///< [D][maps][cells]
   std::span<const std::uint8_t> context;  ///< [maps + 6][cells]
-  std::span<const std::uint8_t> planes;   ///< counts [used][height][width] of the grid
+  std::span<const std::uint8_t> half;     ///< counts of cells of 2x2 px, [used or more][cells]
   std::int32_t used = 0;                  ///< hypotheses: 1..D
 };
 
@@ -100,7 +100,6 @@ class Network {
   void show(const char* name, const Tensor& tensor) const noexcept;
 
   ModelFacts facts_;
-  Intrinsics grid_;
   EnergyGrid cells_;  // of 4x4 px
   CellGrid halves_;   // of 2x2 px
   Regression regression_;

@@ -1,5 +1,6 @@
 #include "pipeline/network_backend.hpp"
 
+#include "pipeline/in_parts.hpp"
 #include "pipeline/working_grid.hpp"
 
 namespace egofocus {
@@ -21,12 +22,27 @@ Status adopt_model(Config& config, Model& model_out) noexcept {
   return {};
 }
 
+namespace {
+
+std::size_t group_bytes(const Intrinsics& grid) noexcept {
+  return static_cast<std::size_t>(Warp::kPlanesAtOnce) * static_cast<std::size_t>(grid.width_px) *
+         static_cast<std::size_t>(grid.height_px);
+}
+
+std::size_t half_bytes(const Intrinsics& grid, std::int32_t hypotheses) noexcept {
+  return static_cast<std::size_t>(hypotheses) * cell_grid(grid).size();
+}
+
+}  // namespace
+
 NetworkMemory::NetworkMemory(const Config& config, const Model& model, Arena& arena) noexcept
     : buffers_(model.facts, working_grid(config), config.threads, plan_) {
   const Intrinsics grid = working_grid(config);
   const std::int32_t hypotheses = config.ladder.hypotheses;
-  lines_ = plan_.add(Warp::lines_bytes(config.window.max_events), kStepProject, kStepProject);
-  sums_ = plan_.add(FocusInput::sums_bytes(grid, hypotheses), kStepInput, kStepInput);
+  lines_ = plan_.add(Warp::lines_bytes(config.window.max_events), kStepVote, kStepVote);
+  for (int i = 0; i < config.threads; ++i) planes_[i] = plan_.add(group_bytes(grid), kStepVote, kStepVote);
+  sums_ = plan_.add(FocusInput::sums_bytes(grid, hypotheses), kStepVote, kStepInput);
+  half_ = plan_.add(half_bytes(grid, hypotheses), kStepVote, kStepRefine);
   focus_ =
       plan_.add(FocusInput::focus_bytes(model.facts.input, grid, hypotheses), kStepInput, kStepFocusCost);
   plan_.place(arena);
@@ -39,14 +55,37 @@ NetworkBackend::NetworkBackend(const Config& config, const Model& model, const K
 
 NetworkBackend::NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
                                const NetworkMemory& memory, Arena& arena, Arena sums, Arena focus) noexcept
-    : input_(model.facts.input, working_grid(config), config.ladder.hypotheses, config.threads, arena, sums,
-             focus),
-      network_(model, working_grid(config), kernels, config.threads, memory.buffers_, memory.plan_, arena) {}
+    : grid_(working_grid(config)),
+      input_(model.facts.input, grid_, config.ladder.hypotheses, config.threads, arena, sums, focus),
+      half_(
+          memory.plan_.arena(memory.half_).array<std::uint8_t>(half_bytes(grid_, config.ladder.hypotheses))),
+      network_(model, grid_, kernels, config.threads, memory.buffers_, memory.plan_, arena) {
+  for (int i = 0; i < config.threads; ++i)
+    planes_[i] = memory.plan_.arena(memory.planes_[i]).array<std::uint8_t>(group_bytes(grid_));
+}
 
-CellDepth NetworkBackend::run(const Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+CellDepth NetworkBackend::run(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
                               WorkerPool& pool) noexcept {
-  input_.run(warp.planes(), ladder, baseline_m, pool);
-  return network_.run({input_.focus(), input_.context(), warp.planes(), ladder.count}, pool);
+  constexpr std::int32_t kGroup = Warp::kPlanesAtOnce;
+  const std::size_t pixels = group_bytes(grid_) / kGroup;
+  const std::size_t cells = cell_grid(grid_).size();
+  const std::int32_t groups = (ladder.count + kGroup - 1) / kGroup;
+  input_.begin(ladder, baseline_m);
+  in_parts(pool, [&](int part, int parts) noexcept {
+    for (std::int32_t group = groups * part / parts; group < groups * (part + 1) / parts; ++group) {
+      const std::int32_t first = group * kGroup;
+      const std::int32_t count = ladder.count - first < kGroup ? ladder.count - first : kGroup;
+      warp.vote_planes(first, count, part, planes_[part]);
+      for (std::int32_t i = 0; i < count; ++i) {
+        const auto plane = planes_[part].subspan(static_cast<std::size_t>(i) * pixels, pixels);
+        input_.add_plane(first + i, plane, part);
+        halve_counts(plane, grid_.width_px, grid_.height_px,
+                     half_.subspan(static_cast<std::size_t>(first + i) * cells, cells));
+      }
+    }
+  });
+  input_.finish(pool);
+  return network_.run({input_.focus(), input_.context(), half_, ladder.count}, pool);
 }
 
 }  // namespace egofocus

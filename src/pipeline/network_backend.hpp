@@ -32,6 +32,8 @@ class NetworkMemory {
   std::int32_t lines_ = 0;
   std::int32_t sums_ = 0;
   std::int32_t focus_ = 0;
+  std::int32_t half_ = 0;
+  std::int32_t planes_[WorkerPool::kMaxParts] = {};
 };
 
 class NetworkBackend {
@@ -39,15 +41,19 @@ class NetworkBackend {
   NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
                  const NetworkMemory& memory, Arena& arena) noexcept;
 
-  /// As Focus::run(). Thread: the tick. RT: yes.
-  CellDepth run(const Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+  /// Votes what `warp` has projected, a few planes at a time, none of which is kept, and goes on as
+  /// Focus::run(). Thread: the tick. RT: yes.
+  CellDepth run(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
                 WorkerPool& pool) noexcept;
 
  private:
   NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
                  const NetworkMemory& memory, Arena& arena, Arena sums, Arena focus) noexcept;
 
+  Intrinsics grid_;
   FocusInput input_;
+  std::span<std::uint8_t> half_;                           // [D][cells of 2x2 px]
+  std::span<std::uint8_t> planes_[WorkerPool::kMaxParts];  // [Warp::kPlanesAtOnce][height][width]
   Network network_;
 };
 

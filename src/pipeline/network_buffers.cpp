@@ -78,10 +78,7 @@ Network::Blocks Network::make_blocks(const Model& model, LayerRole role, std::in
 
 Network::Network(const Model& model, const Intrinsics& grid, const KernelTable& kernels, int parts,
                  const Buffers& buffers, const MemoryPlan& plan, Arena& arena) noexcept
-    : facts_(model.facts),
-      grid_(grid),
-      cells_(energy_grid(grid.width_px, grid.height_px)),
-      halves_(cell_grid(grid)) {
+    : facts_(model.facts), cells_(energy_grid(grid.width_px, grid.height_px)), halves_(cell_grid(grid)) {
   const auto layer = [&](LayerRole role, std::int32_t channels, std::int32_t n = 0) noexcept {
     return ConvLayer(model.layer(role, n), channels, kernels, arena);
   };

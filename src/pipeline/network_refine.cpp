@@ -7,27 +7,13 @@
 namespace egofocus {
 namespace {
 
-constexpr std::uint32_t kMostCounts = 15;
+constexpr std::uint8_t kMostCounts = 15;
 constexpr std::int32_t kGuideAt = 4;  // channels of the refinement's input: place, three counts, guide
-
-// Counts of a cell of 2x2 px of one plane, at most kMostCounts.
-std::uint8_t counts_of_cell(const std::uint8_t* plane, const Intrinsics& grid, std::int32_t x,
-                            std::int32_t y) noexcept {
-  const std::uint8_t* const at = plane + static_cast<std::int64_t>(2 * y) * grid.width_px + 2 * x;
-  const bool wide = 2 * x + 1 < grid.width_px;
-  const bool high = 2 * y + 1 < grid.height_px;
-  std::uint32_t sum = at[0];
-  if (wide) sum += at[1];
-  if (high) sum += at[grid.width_px];
-  if (wide && high) sum += at[grid.width_px + 1];
-  return static_cast<std::uint8_t>(sum < kMostCounts ? sum : kMostCounts);
-}
 
 }  // namespace
 
 // [place, counts at three hypotheses, guide] of this part's rows.
 void Network::refine_input(int part, int parts) noexcept {
-  const auto pixels = static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px);
   const std::int32_t width = halves_.width;
   const std::int32_t channels = refine_in_.shape.channels;
   for (std::int32_t y = halves_.height * part / parts; y < halves_.height * (part + 1) / parts; ++y) {
@@ -48,9 +34,10 @@ void Network::refine_input(int part, int parts) noexcept {
       for (std::int32_t i = 0; i < 3; ++i) {
         const std::int32_t k = nearest - 1 + i;
         const bool there = k >= 0 && k < inputs_.used;
-        to[1 + i] =
-            there ? counts_of_cell(inputs_.planes.data() + static_cast<std::size_t>(k) * pixels, grid_, x, y)
-                  : std::uint8_t{0};
+        const std::size_t at = static_cast<std::size_t>(y * width + x);
+        const std::uint8_t counts =
+            there ? inputs_.half[static_cast<std::size_t>(k) * halves_.size() + at] : std::uint8_t{0};
+        to[1 + i] = counts < kMostCounts ? counts : kMostCounts;
       }
     }
   }

@@ -100,12 +100,8 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
           s.self.warp_.project(s.self.window_, s.selection, *s.self.track_, s.ladder, part, parts);
         },
         &step);
-    pool.run([](void* context, int part,
-                int parts) noexcept { static_cast<Step*>(context)->self.warp_.vote(part, parts); },
-             &step);
-    const double(&baseline_m)[3] = track_->knots[0].centre_m;
-    const CellDepth cells = network_ ? network_->run(warp_, ladder, baseline_m, pool)
-                                     : focus_->run(warp_, ladder, baseline_m, pool);
+    const CellDepth cells =
+        network_ ? network_->run(warp_, ladder, track_->knots[0].centre_m, pool) : focus_depth(ladder, pool);
     depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
     frame.events = selection.count;
     frame.votes = warp_.votes();
@@ -120,6 +116,13 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   frame.age_us = last_depth_event_us_ == INT64_MIN ? INT64_MAX : tick_us - last_depth_event_us_;
   conclude(frame);
   last_tick_us_ = tick_us;
+}
+
+CellDepth Pipeline::focus_depth(const HypothesisLadder& ladder, WorkerPool& pool) noexcept {
+  pool.run(
+      [](void* self, int part, int parts) noexcept { static_cast<Pipeline*>(self)->warp_.vote(part, parts); },
+      this);
+  return focus_->run(warp_, ladder, track_->knots[0].centre_m, pool);
 }
 
 bool Pipeline::track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept {

@@ -61,6 +61,7 @@ class Pipeline {
   /// The motion from begin_us to the tick into `track_`; false where it is not known. oldest_us: as far back
   /// as this tick looks.
   bool track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept;
+  CellDepth focus_depth(const HypothesisLadder& ladder, WorkerPool& pool) noexcept;
   void blank(FrameSlot& out) noexcept;
   void conclude(const DepthFrame& frame) noexcept;
 

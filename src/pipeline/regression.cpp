@@ -26,7 +26,7 @@ void Regression::row(const std::int16_t* head, const std::int16_t* own, const st
     }
     const std::int32_t most = head[best] + own[best];
     std::uint32_t p[64];
-    std::uint32_t weight[64];
+    std::uint32_t weight[64] = {};
     std::uint32_t sum = 0;         // at most 64 * 65535
     std::uint32_t all_weight = 0;  // below 2^31
     for (std::int32_t k = 0; k < used; ++k) {

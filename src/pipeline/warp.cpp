@@ -71,7 +71,14 @@ std::size_t Warp::lines_bytes(std::int32_t max_events) noexcept {
   return counter.used_bytes();
 }
 
+Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
+    : Warp(config, kernels, arena, arena, true) {}
+
 Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines) noexcept
+    : Warp(config, kernels, arena, lines, false) {}
+
+Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines,
+           bool keeps_stack) noexcept
     : grid_(working_grid(config)),
       sensor_width_(config.camera.intrinsics.width_px),
       hypotheses_(config.ladder.hypotheses),
@@ -80,7 +87,7 @@ Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena
   rays_ = arena.array<Ray>(static_cast<std::size_t>(sensor_width_) *
                            static_cast<std::size_t>(config.camera.intrinsics.height_px));
   lines_ = take_lines(config.window.max_events, lines);
-  stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
+  if (keeps_stack) stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
   for (int i = 0; i < config.threads; ++i) scratch_[i] = arena.array<std::uint32_t>(pixels_);
 }
 
@@ -129,14 +136,20 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
     behind += static_cast<std::uint64_t>(ladder.count - line.k_end);
   }
   counts_[part].behind_camera = behind;
+  counts_[part].votes = 0;
 }
 
 void Warp::vote(int part, int parts) noexcept {
   const std::int32_t first = used_ * part / parts;
   const std::int32_t last = used_ * (part + 1) / parts;
-  const std::span<std::uint8_t> mine = stack_.subspan(static_cast<std::size_t>(first) * pixels_,
-                                                      static_cast<std::size_t>(last - first) * pixels_);
-  __builtin_memset(mine.data(), 0, mine.size());
+  vote_planes(first, last - first, part,
+              stack_.subspan(static_cast<std::size_t>(first) * pixels_,
+                             static_cast<std::size_t>(last - first) * pixels_));
+}
+
+void Warp::vote_planes(std::int32_t first, std::int32_t count, int part,
+                       std::span<std::uint8_t> planes) noexcept {
+  __builtin_memset(planes.data(), 0, static_cast<std::size_t>(count) * pixels_);
   WarpVote vote;
   vote.u_q16 = lines_.u_q16.data();
   vote.v_q16 = lines_.v_q16.data();
@@ -145,14 +158,14 @@ void Warp::vote(int part, int parts) noexcept {
   vote.k_end = lines_.k_end.data();
   vote.n = lines_.count;
   vote.k_begin = first;
-  vote.k_count = last - first;
+  vote.k_count = count;
   vote.width = grid_.width_px;
   vote.height = grid_.height_px;
   vote.row_stride = grid_.width_px;
   vote.plane_stride = static_cast<std::int64_t>(pixels_);
-  vote.stack = mine.data();
+  vote.stack = planes.data();
   vote.scratch = scratch_[part].data();
-  counts_[part].votes = static_cast<std::uint64_t>(vote_(vote));
+  counts_[part].votes += static_cast<std::uint64_t>(vote_(vote));
 }
 
 std::uint64_t Warp::votes() const noexcept {

@@ -47,20 +47,6 @@ struct Bench {
   WorkerPool pool;
 };
 
-// Planes whose counts of 2x2 pixels are `half`: all in the upper left pixel.
-std::vector<std::uint8_t> planes_of(const VectorArray& half, const Intrinsics& grid, std::size_t used) {
-  const std::size_t height = half.shape[1];
-  const std::size_t width = half.shape[2];
-  const auto across = static_cast<std::size_t>(grid.width_px);
-  const std::size_t pixels = across * static_cast<std::size_t>(grid.height_px);
-  std::vector<std::uint8_t> planes(used * pixels);
-  for (std::size_t k = 0; k < used; ++k)
-    for (std::size_t y = 0; y < height; ++y)
-      for (std::size_t x = 0; x < width; ++x)
-        planes[k * pixels + 2 * y * across + 2 * x] = half.bytes[(k * height + y) * width + x];
-  return planes;
-}
-
 struct Comparison {
   const VectorCase& expected;
   std::size_t compared = 0;
@@ -91,17 +77,16 @@ struct Comparison {
   }
 };
 
-void compare(Bench& bench, const VectorCase& expected, const Intrinsics& grid, std::size_t tensors) {
+void compare(Bench& bench, const VectorCase& expected, std::size_t tensors) {
   Comparison comparison{expected};
   bench.network->watch({&comparison, [](void* self, const char* name, const Tensor& tensor) {
                           static_cast<Comparison*>(self)->bytes(name, tensor);
                         }});
   const std::uint32_t used = expected.at("used").at(0);
   INFO("hypotheses used: " << used);
-  const std::vector<std::uint8_t> planes = planes_of(expected.at("half"), grid, used);
-  const CellDepth out = bench.network->run(
-      {expected.at("focus").bytes, expected.at("context").bytes, planes, static_cast<std::int32_t>(used)},
-      bench.pool);
+  const CellDepth out = bench.network->run({expected.at("focus").bytes, expected.at("context").bytes,
+                                            expected.at("half").bytes, static_cast<std::int32_t>(used)},
+                                           bench.pool);
   CHECK(comparison.compared >= tensors);
   const VectorArray& index = expected.at("index");
   const VectorArray& trust = expected.at("confidence");
@@ -146,14 +131,14 @@ TEST_CASE("the network's bytes are the integer model's") {
     Bench bench(*model, grid, 1, ~IsaSet{0});
     for (const VectorCase& expected : cases) {
       // What an earlier window left behind changes nothing.
-      compare(bench, expected, grid, expected.count("a4") > 0 ? 9 : 2);
+      compare(bench, expected, expected.count("a4") > 0 ? 9 : 2);
     }
   }
   SECTION("any number of threads") {
     for (const int threads : {2, 3, 8}) {
       INFO("threads " << threads);
       Bench bench(*model, grid, threads, ~IsaSet{0});
-      for (std::size_t i = 0; i < cases.size() && i < 5; ++i) compare(bench, cases[i], grid, 2);
+      for (std::size_t i = 0; i < cases.size() && i < 5; ++i) compare(bench, cases[i], 2);
     }
   }
   SECTION("every instruction set") {
@@ -162,7 +147,7 @@ TEST_CASE("the network's bytes are the integer model's") {
       if (!has_isa(detect_isa(), isa)) continue;
       INFO("instruction set " << isa_name(isa));
       Bench bench(*model, grid, 1, isa_bit(isa));
-      for (const VectorCase& expected : cases) compare(bench, expected, grid, 2);
+      for (const VectorCase& expected : cases) compare(bench, expected, 2);
     }
   }
 }
