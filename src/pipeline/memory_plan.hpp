@@ -13,7 +13,7 @@ namespace egofocus {
 /// contents do not outlive them. Order of calls: add ... place, then bytes, arena.
 class MemoryPlan {
  public:
-  static constexpr std::int32_t kMostBuffers = 48;
+  static constexpr std::int32_t kMostBuffers = 64;
 
   /// The buffer's number. Precondition: fewer than kMostBuffers so far; first_step <= last_step.
   std::int32_t add(std::size_t bytes, int first_step, int last_step) noexcept;

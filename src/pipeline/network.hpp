@@ -37,7 +37,7 @@ enum NetworkStep : int {
 struct NetworkInputs {
   std::span<const std::uint8_t> focus;    ///< [D][maps][cells]
   std::span<const std::uint8_t> context;  ///< [maps + 6][cells]
-  std::span<const std::uint8_t> half;     ///< counts of cells of 2x2 px, [used or more][cells]
+  std::span<const std::uint8_t> half;     ///< pack_half_counts() of [used or more][cells of 2x2 px]
   std::int32_t used = 0;                  ///< hypotheses: 1..D
 };
 

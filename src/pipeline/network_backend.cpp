@@ -1,5 +1,6 @@
 #include "pipeline/network_backend.hpp"
 
+#include "pipeline/half_counts.hpp"
 #include "pipeline/in_parts.hpp"
 #include "pipeline/working_grid.hpp"
 
@@ -30,7 +31,7 @@ std::size_t group_bytes(const Intrinsics& grid) noexcept {
 }
 
 std::size_t half_bytes(const Intrinsics& grid, std::int32_t hypotheses) noexcept {
-  return static_cast<std::size_t>(hypotheses) * cell_grid(grid).size();
+  return static_cast<std::size_t>(hypotheses) * half_counts_bytes(cell_grid(grid).size());
 }
 
 }  // namespace
@@ -40,7 +41,10 @@ NetworkMemory::NetworkMemory(const Config& config, const Model& model, Arena& ar
   const Intrinsics grid = working_grid(config);
   const std::int32_t hypotheses = config.ladder.hypotheses;
   lines_ = plan_.add(Warp::lines_bytes(config.window.max_events), kStepVote, kStepVote);
-  for (int i = 0; i < config.threads; ++i) planes_[i] = plan_.add(group_bytes(grid), kStepVote, kStepVote);
+  for (int i = 0; i < config.threads; ++i) {
+    planes_[i] = plan_.add(group_bytes(grid), kStepVote, kStepVote);
+    counts_[i] = plan_.add(cell_grid(grid).size(), kStepVote, kStepVote);
+  }
   sums_ = plan_.add(FocusInput::sums_bytes(grid, hypotheses), kStepVote, kStepInput);
   half_ = plan_.add(half_bytes(grid, hypotheses), kStepVote, kStepRefine);
   focus_ =
@@ -60,15 +64,17 @@ NetworkBackend::NetworkBackend(const Config& config, const Model& model, const K
       half_(
           memory.plan_.arena(memory.half_).array<std::uint8_t>(half_bytes(grid_, config.ladder.hypotheses))),
       network_(model, grid_, kernels, config.threads, memory.buffers_, memory.plan_, arena) {
-  for (int i = 0; i < config.threads; ++i)
+  for (int i = 0; i < config.threads; ++i) {
     planes_[i] = memory.plan_.arena(memory.planes_[i]).array<std::uint8_t>(group_bytes(grid_));
+    counts_[i] = memory.plan_.arena(memory.counts_[i]).array<std::uint8_t>(cell_grid(grid_).size());
+  }
 }
 
 CellDepth NetworkBackend::run(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
                               WorkerPool& pool) noexcept {
   constexpr std::int32_t kGroup = Warp::kPlanesAtOnce;
   const std::size_t pixels = group_bytes(grid_) / kGroup;
-  const std::size_t cells = cell_grid(grid_).size();
+  const std::size_t half_plane = half_counts_bytes(cell_grid(grid_).size());
   const std::int32_t groups = (ladder.count + kGroup - 1) / kGroup;
   input_.begin(ladder, baseline_m);
   in_parts(pool, [&](int part, int parts) noexcept {
@@ -79,8 +85,8 @@ CellDepth NetworkBackend::run(Warp& warp, const HypothesisLadder& ladder, const 
       for (std::int32_t i = 0; i < count; ++i) {
         const auto plane = planes_[part].subspan(static_cast<std::size_t>(i) * pixels, pixels);
         input_.add_plane(first + i, plane, part);
-        halve_counts(plane, grid_.width_px, grid_.height_px,
-                     half_.subspan(static_cast<std::size_t>(first + i) * cells, cells));
+        halve_counts(plane, grid_.width_px, grid_.height_px, counts_[part]);
+        pack_half_counts(counts_[part], &half_[static_cast<std::size_t>(first + i) * half_plane]);
       }
     }
   });

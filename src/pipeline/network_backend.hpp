@@ -34,6 +34,7 @@ class NetworkMemory {
   std::int32_t focus_ = 0;
   std::int32_t half_ = 0;
   std::int32_t planes_[WorkerPool::kMaxParts] = {};
+  std::int32_t counts_[WorkerPool::kMaxParts] = {};
 };
 
 class NetworkBackend {
@@ -52,8 +53,9 @@ class NetworkBackend {
 
   Intrinsics grid_;
   FocusInput input_;
-  std::span<std::uint8_t> half_;                           // [D][cells of 2x2 px]
+  std::span<std::uint8_t> half_;                           // pack_half_counts() of each hypothesis
   std::span<std::uint8_t> planes_[WorkerPool::kMaxParts];  // [Warp::kPlanesAtOnce][height][width]
+  std::span<std::uint8_t> counts_[WorkerPool::kMaxParts];  // [cells of 2x2 px]
   Network network_;
 };
 

@@ -1,5 +1,6 @@
 // The network's refinement at 1/2.
 #include "kernels/requant.hpp"
+#include "pipeline/half_counts.hpp"
 #include "pipeline/in_parts.hpp"
 #include "pipeline/network.hpp"
 #include "pipeline/up_sample.hpp"
@@ -7,13 +8,13 @@
 namespace egofocus {
 namespace {
 
-constexpr std::uint8_t kMostCounts = 15;
 constexpr std::int32_t kGuideAt = 4;  // channels of the refinement's input: place, three counts, guide
 
 }  // namespace
 
 // [place, counts at three hypotheses, guide] of this part's rows.
 void Network::refine_input(int part, int parts) noexcept {
+  const std::size_t plane_bytes = half_counts_bytes(halves_.size());
   const std::int32_t width = halves_.width;
   const std::int32_t channels = refine_in_.shape.channels;
   for (std::int32_t y = halves_.height * part / parts; y < halves_.height * (part + 1) / parts; ++y) {
@@ -34,10 +35,9 @@ void Network::refine_input(int part, int parts) noexcept {
       for (std::int32_t i = 0; i < 3; ++i) {
         const std::int32_t k = nearest - 1 + i;
         const bool there = k >= 0 && k < inputs_.used;
-        const std::size_t at = static_cast<std::size_t>(y * width + x);
-        const std::uint8_t counts =
-            there ? inputs_.half[static_cast<std::size_t>(k) * halves_.size() + at] : std::uint8_t{0};
-        to[1 + i] = counts < kMostCounts ? counts : kMostCounts;
+        const std::uint8_t* const plane =
+            inputs_.half.data() + static_cast<std::size_t>(there ? k : 0) * plane_bytes;
+        to[1 + i] = there ? half_count(plane, static_cast<std::size_t>(y * width + x)) : std::uint8_t{0};
       }
     }
   }

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "kernels/isa.hpp"
+#include "pipeline/half_counts.hpp"
 #include "support/arena_block.hpp"
 #include "support/network_vectors.hpp"
 #include "support/source_dir.hpp"
@@ -47,6 +48,14 @@ struct Bench {
   WorkerPool pool;
 };
 
+std::vector<std::uint8_t> packed(const VectorArray& half) {
+  const std::size_t cells = half.shape[1] * half.shape[2];
+  std::vector<std::uint8_t> out(half.shape[0] * half_counts_bytes(cells));
+  for (std::size_t k = 0; k < half.shape[0]; ++k)
+    pack_half_counts(std::span(half.bytes).subspan(k * cells, cells), &out[k * half_counts_bytes(cells)]);
+  return out;
+}
+
 struct Comparison {
   const VectorCase& expected;
   std::size_t compared = 0;
@@ -84,9 +93,10 @@ void compare(Bench& bench, const VectorCase& expected, std::size_t tensors) {
                         }});
   const std::uint32_t used = expected.at("used").at(0);
   INFO("hypotheses used: " << used);
-  const CellDepth out = bench.network->run({expected.at("focus").bytes, expected.at("context").bytes,
-                                            expected.at("half").bytes, static_cast<std::int32_t>(used)},
-                                           bench.pool);
+  const std::vector<std::uint8_t> half = packed(expected.at("half"));
+  const CellDepth out = bench.network->run(
+      {expected.at("focus").bytes, expected.at("context").bytes, half, static_cast<std::int32_t>(used)},
+      bench.pool);
   CHECK(comparison.compared >= tensors);
   const VectorArray& index = expected.at("index");
   const VectorArray& trust = expected.at("confidence");
