@@ -101,6 +101,7 @@ void run(const Arguments& arguments) {
     if (!replay.tick(frame)) break;
     const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
     report.add(frame, spent.count());
+    if (frame.hypotheses > 0) report.add_stages(replay.engine().health().stages);
     std::vector<float> truth_m;
     const recording::DepthTruth* truth = replay.folder().truth_at(frame.t_us);
     if (truth != nullptr && recording::png_available()) {

@@ -251,6 +251,10 @@ typedef struct egofocus_tick_counters {
   uint64_t run, late, skipped, no_parallax, too_few_events, stale_velocity, no_motion;
 } egofocus_tick_counters;
 
+typedef struct egofocus_stage_times { /* of the last tick with depth, monotonic clock */
+  uint32_t motion_us, warp_us, input_us, backend_us, depth_us, all_us;
+} egofocus_stage_times;
+
 enum { EGOFOCUS_WAITING, EGOFOCUS_RUNNING, EGOFOCUS_DEGRADED, EGOFOCUS_STALLED };
 typedef struct egofocus_health {
   int32_t state;
@@ -259,6 +263,7 @@ typedef struct egofocus_health {
   egofocus_sample_counters imu, odometry, poses;
   egofocus_window_counters window;
   egofocus_tick_counters ticks;
+  egofocus_stage_times stages;
   uint32_t refused;      /* what the system refused at start: 1 priority, 2 memory lock, 4 CPU pin */
   uint32_t sources_lost; /* attached sources whose poll ended with an error */
 } egofocus_health;

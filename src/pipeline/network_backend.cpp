@@ -70,12 +70,13 @@ NetworkBackend::NetworkBackend(const Config& config, const Model& model, const K
   }
 }
 
-CellDepth NetworkBackend::run(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
-                              WorkerPool& pool) noexcept {
+void NetworkBackend::vote(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+                          WorkerPool& pool) noexcept {
   constexpr std::int32_t kGroup = Warp::kPlanesAtOnce;
   const std::size_t pixels = group_bytes(grid_) / kGroup;
   const std::size_t half_plane = half_counts_bytes(cell_grid(grid_).size());
   const std::int32_t groups = (ladder.count + kGroup - 1) / kGroup;
+  used_ = ladder.count;
   input_.begin(ladder, baseline_m);
   in_parts(pool, [&](int part, int parts) noexcept {
     for (std::int32_t group = groups * part / parts; group < groups * (part + 1) / parts; ++group) {
@@ -90,8 +91,6 @@ CellDepth NetworkBackend::run(Warp& warp, const HypothesisLadder& ladder, const 
       }
     }
   });
-  input_.finish(pool);
-  return network_.run({input_.focus(), input_.context(), half_, ladder.count}, pool);
 }
 
 }  // namespace egofocus

@@ -42,10 +42,15 @@ class NetworkBackend {
   NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
                  const NetworkMemory& memory, Arena& arena) noexcept;
 
-  /// Votes what `warp` has projected, a few planes at a time, none of which is kept, and goes on as
-  /// Focus::run(). Thread: the tick. RT: yes.
-  CellDepth run(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
-                WorkerPool& pool) noexcept;
+  /// In this order, once a tick. vote(): what `warp` has projected, a few planes at a time, none of which is
+  /// kept; baseline_m as in Focus::run(). Thread: the tick. RT: yes.
+  void vote(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+            WorkerPool& pool) noexcept;
+  void prepare_input(WorkerPool& pool) noexcept { input_.finish(pool); }
+  /// Valid until the next call.
+  CellDepth run(WorkerPool& pool) noexcept {
+    return network_.run({input_.focus(), input_.context(), half_, used_}, pool);
+  }
 
  private:
   NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
@@ -56,6 +61,7 @@ class NetworkBackend {
   std::span<std::uint8_t> half_;                           // pack_half_counts() of each hypothesis
   std::span<std::uint8_t> planes_[WorkerPool::kMaxParts];  // [Warp::kPlanesAtOnce][height][width]
   std::span<std::uint8_t> counts_[WorkerPool::kMaxParts];  // [cells of 2x2 px]
+  std::int32_t used_ = 0;                                  // hypotheses of the tick
   Network network_;
 };
 

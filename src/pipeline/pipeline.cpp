@@ -1,5 +1,7 @@
 #include "pipeline/pipeline.hpp"
 
+#include "pipeline/in_parts.hpp"
+
 namespace egofocus {
 namespace {
 
@@ -44,6 +46,7 @@ void Pipeline::prepare(const Config& config) noexcept {
 // --- the algorithm -----------------------------------------------------------------------------------
 
 void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noexcept {
+  StageWatch watch;
   DepthFrame& frame = out.frame;
   frame = {};
   frame.t_us = tick_us;
@@ -89,20 +92,13 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   const bool has_depth =
       has_motion && ladder.has_parallax && selection.count > 0 && track(oldest_us, ladder.begin_us, tick_us);
   if (has_depth) {
-    struct Step {
-      Pipeline& self;
-      const EventWindow::Selection& selection;
-      const HypothesisLadder& ladder;
-    } step{*this, selection, ladder};
-    pool.run(
-        [](void* context, int part, int parts) noexcept {
-          auto& s = *static_cast<Step*>(context);
-          s.self.warp_.project(s.self.window_, s.selection, *s.self.track_, s.ladder, part, parts);
-        },
-        &step);
-    const CellDepth cells =
-        network_ ? network_->run(warp_, ladder, track_->knots[0].centre_m, pool) : focus_depth(ladder, pool);
+    StageTimes stages;
+    stages.motion_us = watch.lap_us();
+    const CellDepth cells = depth_of_cells(selection, ladder, pool, watch, stages);
     depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
+    stages.depth_us = watch.lap_us();
+    stages.all_us = watch.all_us();
+    stages_ = stages;
     frame.events = selection.count;
     frame.votes = warp_.votes();
     frame.hypotheses = ladder.count;
@@ -118,11 +114,26 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   last_tick_us_ = tick_us;
 }
 
-CellDepth Pipeline::focus_depth(const HypothesisLadder& ladder, WorkerPool& pool) noexcept {
-  pool.run(
-      [](void* self, int part, int parts) noexcept { static_cast<Pipeline*>(self)->warp_.vote(part, parts); },
-      this);
-  return focus_->run(warp_, ladder, track_->knots[0].centre_m, pool);
+CellDepth Pipeline::depth_of_cells(const EventWindow::Selection& selection, const HypothesisLadder& ladder,
+                                   WorkerPool& pool, StageWatch& watch, StageTimes& stages) noexcept {
+  const double(&baseline_m)[3] = track_->knots[0].centre_m;
+  in_parts(pool, [&](int part, int parts) noexcept {
+    warp_.project(window_, selection, *track_, ladder, part, parts);
+  });
+  CellDepth cells;
+  if (network_) {
+    network_->vote(warp_, ladder, baseline_m, pool);
+    stages.warp_us = watch.lap_us();
+    network_->prepare_input(pool);
+    stages.input_us = watch.lap_us();
+    cells = network_->run(pool);
+  } else {
+    in_parts(pool, [this](int part, int parts) noexcept { warp_.vote(part, parts); });
+    stages.warp_us = watch.lap_us();
+    cells = focus_->run(warp_, ladder, baseline_m, pool);
+  }
+  stages.backend_us = watch.lap_us();
+  return cells;
 }
 
 bool Pipeline::track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept {
@@ -257,6 +268,7 @@ void Pipeline::report(Health& health) const noexcept {
   health.odometry.invalid += ahead_[1];
   health.poses.invalid += ahead_[2];
   health.window = window_counters_;
+  health.stages = stages_;
   const TickCounters scheduled = health.ticks;
   health.ticks = tick_counters_;
   health.ticks.late = scheduled.late;

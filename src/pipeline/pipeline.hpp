@@ -17,6 +17,7 @@
 #include "pipeline/focus.hpp"
 #include "pipeline/hypothesis_ladder.hpp"
 #include "pipeline/network_backend.hpp"
+#include "pipeline/stage_watch.hpp"
 #include "pipeline/velocity_noise.hpp"
 #include "pipeline/warp.hpp"
 
@@ -61,7 +62,9 @@ class Pipeline {
   /// The motion from begin_us to the tick into `track_`; false where it is not known. oldest_us: as far back
   /// as this tick looks.
   bool track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept;
-  CellDepth focus_depth(const HypothesisLadder& ladder, WorkerPool& pool) noexcept;
+  /// Events -> warped images -> the backend's cells.
+  CellDepth depth_of_cells(const EventWindow::Selection& selection, const HypothesisLadder& ladder,
+                           WorkerPool& pool, StageWatch& watch, StageTimes& stages) noexcept;
   void blank(FrameSlot& out) noexcept;
   void conclude(const DepthFrame& frame) noexcept;
 
@@ -85,6 +88,7 @@ class Pipeline {
   std::uint64_t outside_until_ = 0;     // events up to this number are already counted as outside the motion
   WindowCounters window_counters_;
   TickCounters tick_counters_;
+  StageTimes stages_;
   RunState state_ = RunState::kWaiting;
   Cause cause_ = Cause::kNone;
 };

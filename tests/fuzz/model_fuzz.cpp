@@ -14,10 +14,10 @@ namespace {
 class Copy {
  public:
   Copy(const std::uint8_t* data, std::size_t size)
-      : bytes_(static_cast<std::uint8_t*>(::operator new(size, std::align_val_t{16}))), size_(size) {
+      : bytes_(static_cast<std::uint8_t*>(::operator new (size, std::align_val_t{16}))), size_(size) {
     for (std::size_t i = 0; i < size; ++i) bytes_[i] = data[i];
   }
-  ~Copy() { ::operator delete(bytes_, std::align_val_t{16}); }
+  ~Copy() { ::operator delete (bytes_, std::align_val_t{16}); }
   Copy(const Copy&) = delete;
   Copy& operator=(const Copy&) = delete;
 

@@ -134,3 +134,14 @@ TEST_CASE("an arena one byte too small names the bytes") {
   CHECK(small.bound() == static_cast<std::int64_t>(bytes));
   CHECK(engine.configure(config, block.span()).ok());
 }
+
+TEST_CASE("the arena's size with a network is what it is: growth has to be meant") {
+  const test::ModelMemory model(model_file());
+  Config config;
+  config.camera.intrinsics = {346, 260, 250, 250, 172.5, 129.5};
+  config.backend = Backend::kNetwork;
+  config.model = model.bytes();
+  std::size_t bytes = 0;
+  REQUIRE(Engine::required_arena(config, bytes).ok());
+  if (sizeof(void*) == 8) CHECK(bytes == 9302656u);
+}
