@@ -10,7 +10,7 @@ inline __m256i dot4(__m256i acc, __m256i bytes, __m256i weights) noexcept {
 }
 
 // 16 registers: the sums, a group's weights, one pixel, the ones, what is between two steps.
-constexpr ConvBody kBody{kConvPacking_avx2, 2, {widths<8, 1>(), widths<5, 2>()}, leave};
+constexpr ConvBody kBody{kConvPacking_avx2, 8, 2, {widths<8, 1>(), widths<5, 2>()}, EGOFOCUS_LEAVE};
 
 }  // namespace
 

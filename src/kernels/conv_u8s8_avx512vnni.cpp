@@ -72,30 +72,22 @@ void leave_as(const ConvLeaving& leaving) noexcept {
   }
 }
 
-void leave(const ConvLeaving& leaving) noexcept {
-  switch (leaving.epilogue) {
-    case ConvEpilogue::kRelu:
-      return leave_as<ConvEpilogue::kRelu>(leaving);
-    case ConvEpilogue::kAdd:
-      return leave_as<ConvEpilogue::kAdd>(leaving);
-    case ConvEpilogue::kSmall:
-      return leave_as<ConvEpilogue::kSmall>(leaving);
-    case ConvEpilogue::kScore:
-      return leave_as<ConvEpilogue::kScore>(leaving);
-  }
-}
-
 template <int kPixels, int kTiles>
 constexpr ConvBlockWidths widths() noexcept {
-  return {kPixels, sums_of<kPixels, kTiles>, sums_of<kPixels - 1, kTiles>, sums_of<kPixels / 2, kTiles>,
+  return {kPixels,
+          kPixels - 1,
+          sums_of<kPixels, kTiles>,
+          sums_of<kPixels - 1, kTiles>,
+          sums_of<kPixels / 2, kTiles>,
           sums_of<1, kTiles>};
 }
 
 // 32 registers: the sums, a group's weights, one pixel.
 constexpr ConvBody kBody{kConvPacking_avx512vnni,
+                         16,
                          5,
                          {widths<16, 1>(), widths<12, 2>(), widths<8, 3>(), widths<6, 4>(), widths<5, 5>()},
-                         leave};
+                         EGOFOCUS_LEAVE};
 
 }  // namespace
 

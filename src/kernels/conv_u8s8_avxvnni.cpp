@@ -8,7 +8,7 @@ inline __m256i dot4(__m256i acc, __m256i bytes, __m256i weights) noexcept {
 }
 
 // 16 registers: the sums, a group's weights, one pixel.
-constexpr ConvBody kBody{kConvPacking_avxvnni, 2, {widths<12, 1>(), widths<6, 2>()}, leave};
+constexpr ConvBody kBody{kConvPacking_avxvnni, 8, 2, {widths<12, 1>(), widths<6, 2>()}, EGOFOCUS_LEAVE};
 
 }  // namespace
 

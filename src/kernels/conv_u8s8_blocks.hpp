@@ -1,5 +1,5 @@
-// What all vector bodies of conv_u8s8 share: an image is cut into blocks of a few pixels by a few tiles of
-// outputs whose sums fit the registers. A body supplies the sums of a block, and how they leave. Each body
+// What all vector bodies of conv_u8s8 share: an image is cut into blocks of a few pixels by a few
+// outputs, whose sums fit the registers. A body supplies the sums of a block, and how they leave. Each body
 // compiles its own copy with its flags: all of it is of internal linkage.
 #pragma once
 
@@ -14,11 +14,18 @@
 #define EGOFOCUS_UNROLL _Pragma("GCC unroll 32")
 #endif
 
+/// The four instances of a body's leave_as.
+#define EGOFOCUS_LEAVE                                                                           \
+  {                                                                                              \
+    leave_as<ConvEpilogue::kRelu>, leave_as<ConvEpilogue::kAdd>, leave_as<ConvEpilogue::kSmall>, \
+        leave_as<ConvEpilogue::kScore>                                                           \
+  }
+
 namespace egofocus {
 namespace {
 
 inline constexpr std::int32_t kMostBlockSums = 512;
-inline constexpr std::int32_t kMostTileGroups = 5;
+inline constexpr std::int32_t kMostUnits = 5;
 
 /// Runs of bytes that a pixel's sum reads one after the other: the taps, or whole rows of them where
 /// neighbouring pixels' channels follow each other without a gap.
@@ -35,7 +42,7 @@ struct ConvBlock {
   std::int64_t tile_stride;  // bytes of one tile's weights
   const std::int32_t* bias;
   const ConvRuns* runs;
-  std::int32_t* sums;  // [pixels][tiles][outputs of a tile]
+  std::int32_t* sums;  // [pixels][units][outputs of a unit]
 };
 
 /// Sums that are to leave: `pixels` of them, `outputs` valid channels in rows of `row` sums.
@@ -45,8 +52,7 @@ struct ConvLeaving {
   std::int32_t row;
   std::int32_t outputs;
   const float* scale;
-  ConvEpilogue epilogue;
-  const std::uint8_t* addend;  // of the first pixel's first channel, as is output
+  const std::uint8_t* addend;  // of the first pixel's first channel, as is output; null without one
   std::int64_t addend_step;
   std::uint8_t* output;
   std::int64_t output_step;
@@ -55,20 +61,24 @@ struct ConvLeaving {
 using ConvSumsFunction = void(const ConvBlock& block) noexcept;
 using ConvLeaveFunction = void(const ConvLeaving& leaving) noexcept;
 
-/// Blocks of one number of tiles. `pixels` is the widest; the others are for what it leaves over.
+/// Blocks of one number of units. `pixels` is the widest; the others are for what it leaves over.
 struct ConvBlockWidths {
   std::int32_t pixels;
+  std::int32_t fewer;  // pixels of `narrower`
   ConvSumsFunction* widest;
-  ConvSumsFunction* one_less;
+  ConvSumsFunction* narrower;
   ConvSumsFunction* half;
   ConvSumsFunction* single;
 };
 
+/// A unit is what a block's outputs are counted in: a packed tile, or, where a tile is all that a block can
+/// hold, the part of it that may be left out at the end of a layer.
 struct ConvBody {
   ConvPacking packing;
-  std::int32_t most_tiles;                    // of a block, <= kMostTileGroups
-  ConvBlockWidths by_tiles[kMostTileGroups];  // [tiles - 1]
-  ConvLeaveFunction* leave;
+  std::int32_t unit_outputs;
+  std::int32_t most_units;               // of a block, <= kMostUnits; one tile, if units are parts of it
+  ConvBlockWidths by_units[kMostUnits];  // [units - 1]
+  ConvLeaveFunction* leave[4];           // by ConvEpilogue
 };
 
 /// Each tap a run, or, with whole_rows, each row of taps.
@@ -93,55 +103,29 @@ inline ConvRuns conv_runs(const ConvU8S8& conv, std::int32_t group_inputs) noexc
                              conv.in_channels % group_inputs == 0);
 }
 
-struct ConvTileGroup {
-  std::int32_t first;  // tile
-  std::int32_t tiles;
+/// A call's rows for the outputs of one width of block.
+struct ConvPlan {
+  const ConvBlockWidths* widths;
+  ConvLeaveFunction* leave;
+  ConvBlock block;
+  ConvLeaving leaving;
 };
 
-inline void conv_block(const ConvU8S8& conv, const ConvBody& body, const ConvTileGroup& group,
-                       ConvSumsFunction* run, ConvBlock& block, std::int32_t row, std::int32_t column,
-                       std::int32_t pixels) noexcept {
-  const std::int32_t first_output = group.first * body.packing.tile_outputs;
-  const std::int32_t left = conv.out_channels - first_output;
-  const std::int32_t wide = group.tiles * body.packing.tile_outputs;
-  block.input =
-      conv.input + std::int64_t{row} * conv.stride * conv.input_row_stride + column * block.pixel_step;
-  run(block);
-  const std::int32_t element = conv.epilogue == ConvEpilogue::kScore ? 2 : 1;
-  ConvLeaving leaving{};
-  leaving.sums = block.sums;
-  leaving.pixels = pixels;
-  leaving.row = wide;
-  leaving.outputs = left < wide ? left : wide;
-  leaving.scale = conv.packed.scale + first_output;
-  leaving.epilogue = conv.epilogue;
-  if (conv.epilogue == ConvEpilogue::kAdd) {
-    leaving.addend = conv.addend + std::int64_t{row} * conv.addend_row_stride +
-                     std::int64_t{column} * conv.addend_pixel_stride + first_output;
-    leaving.addend_step = conv.addend_pixel_stride;
-  }
-  leaving.output = static_cast<std::uint8_t*>(conv.output) + std::int64_t{row} * conv.output_row_stride +
-                   std::int64_t{column} * conv.output_pixel_stride + first_output * element;
-  leaving.output_step = conv.output_pixel_stride;
-  body.leave(leaving);
-}
-
-inline void conv_row(const ConvU8S8& conv, const ConvBody& body, const ConvTileGroup& group, ConvBlock& block,
-                     std::int32_t row) noexcept {
-  const ConvBlockWidths& widths = body.by_tiles[group.tiles - 1];
-  std::int32_t blocks = (conv.columns + widths.pixels - 1) / widths.pixels;
-  // Blocks one pixel narrower than the widest lose next to nothing; a narrow rest would.
-  const bool even = conv.columns >= blocks * (widths.pixels - 1);
-  std::int32_t narrower = even ? blocks * widths.pixels - conv.columns : 0;
-  std::int32_t column = 0;
-  while (column < conv.columns) {
-    const std::int32_t left = conv.columns - column;
+inline void conv_row(ConvPlan& plan, std::int32_t columns) noexcept {
+  const ConvBlockWidths& widths = *plan.widths;
+  const std::int32_t blocks = (columns + widths.pixels - 1) / widths.pixels;
+  // Blocks a little narrower than the widest lose next to nothing; a narrow rest would.
+  const std::int32_t missing = blocks * widths.pixels - columns;
+  const std::int32_t less = widths.pixels - widths.fewer;
+  std::int32_t narrower = missing % less == 0 && missing / less <= blocks ? missing / less : 0;
+  std::int32_t left = columns;
+  while (left > 0) {
     std::int32_t pixels = 1;
     ConvSumsFunction* run = widths.single;
     if (narrower > 0) {
       --narrower;
-      pixels = widths.pixels - 1;
-      run = widths.one_less;
+      pixels = widths.fewer;
+      run = widths.narrower;
     } else if (left >= widths.pixels) {
       pixels = widths.pixels;
       run = widths.widest;
@@ -149,34 +133,59 @@ inline void conv_row(const ConvU8S8& conv, const ConvBody& body, const ConvTileG
       pixels = widths.pixels / 2;
       run = widths.half;
     }
-    conv_block(conv, body, group, run, block, row, column, pixels);
-    column += pixels;
+    run(plan.block);
+    plan.leaving.pixels = pixels;
+    plan.leave(plan.leaving);
+    plan.block.input += pixels * plan.block.pixel_step;
+    plan.leaving.output += pixels * plan.leaving.output_step;
+    if (plan.leaving.addend != nullptr) plan.leaving.addend += pixels * plan.leaving.addend_step;
+    left -= pixels;
+  }
+}
+
+inline void conv_rows(const ConvU8S8& conv, ConvPlan& plan, std::int32_t first_output) noexcept {
+  const std::int32_t element = conv.epilogue == ConvEpilogue::kScore ? 2 : 1;
+  for (std::int32_t row = conv.first_row; row < conv.first_row + conv.rows; ++row) {
+    plan.block.input = conv.input + std::int64_t{row} * conv.stride * conv.input_row_stride;
+    if (conv.epilogue == ConvEpilogue::kAdd)
+      plan.leaving.addend = conv.addend + std::int64_t{row} * conv.addend_row_stride + first_output;
+    plan.leaving.output = static_cast<std::uint8_t*>(conv.output) +
+                          std::int64_t{row} * conv.output_row_stride + first_output * element;
+    conv_row(plan, conv.columns);
   }
 }
 
 inline void conv_by_blocks(const ConvU8S8& conv, const ConvBody& body) noexcept {
-  const std::int32_t tile_outputs = body.packing.tile_outputs;
-  const std::int32_t group_inputs = body.packing.group_inputs;
-  const std::int32_t tiles = (conv.out_channels + tile_outputs - 1) / tile_outputs;
-  const std::int64_t groups = (conv.in_channels + group_inputs - 1) / group_inputs;
-  const ConvRuns runs = conv_runs(conv, group_inputs);
+  const std::int32_t tile = body.packing.tile_outputs;
+  const std::int32_t inputs = body.packing.group_inputs;
+  const std::int64_t groups = (conv.in_channels + inputs - 1) / inputs;
+  const ConvRuns runs = conv_runs(conv, inputs);
   alignas(64) std::int32_t sums[kMostBlockSums];
-  ConvTileGroup group{};
-  while (group.first < tiles) {
-    const std::int32_t left = tiles - group.first;
-    // Two groups of about one size, where one of the widest would leave a narrow one.
-    group.tiles = left <= body.most_tiles ? left : body.most_tiles;
-    if (left > body.most_tiles && left < 2 * body.most_tiles) group.tiles = (left + 1) / 2;
-    ConvBlock block{};
-    block.pixel_step = std::int64_t{conv.stride} * conv.input_pixel_stride;
-    block.tile_stride = conv.side * conv.side * groups * group_inputs * tile_outputs;
-    block.weights = conv.packed.weights + group.first * block.tile_stride;
-    block.bias = conv.packed.bias + group.first * tile_outputs;
-    block.runs = &runs;
-    block.sums = sums;
-    for (std::int32_t row = conv.first_row; row < conv.first_row + conv.rows; ++row)
-      conv_row(conv, body, group, block, row);
-    group.first += group.tiles;
+  ConvPlan plan{};
+  plan.leave = body.leave[static_cast<int>(conv.epilogue)];
+  plan.block.pixel_step = std::int64_t{conv.stride} * conv.input_pixel_stride;
+  plan.block.tile_stride = conv.side * conv.side * groups * inputs * tile;
+  plan.block.runs = &runs;
+  plan.block.sums = sums;
+  plan.leaving.sums = sums;
+  plan.leaving.addend_step = conv.addend_pixel_stride;
+  plan.leaving.output_step = conv.output_pixel_stride;
+  std::int32_t first = 0;  // output
+  while (first < conv.out_channels) {
+    const std::int32_t left = (conv.out_channels - first + body.unit_outputs - 1) / body.unit_outputs;
+    std::int32_t units = left <= body.most_units ? left : body.most_units;
+    // Two blocks of about one size, where one of the widest would leave a narrow one.
+    const bool halved = body.unit_outputs == tile && left > body.most_units && left < 2 * body.most_units;
+    if (halved) units = (left + 1) / 2;
+    const std::int32_t wide = units * body.unit_outputs;
+    plan.widths = &body.by_units[units - 1];
+    plan.block.weights = conv.packed.weights + first / tile * plan.block.tile_stride;
+    plan.block.bias = conv.packed.bias + first;
+    plan.leaving.row = wide;
+    plan.leaving.outputs = conv.out_channels - first < wide ? conv.out_channels - first : wide;
+    plan.leaving.scale = conv.packed.scale + first;
+    conv_rows(conv, plan, first);
+    first += wide;
   }
 }
 

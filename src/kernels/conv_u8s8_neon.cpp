@@ -42,16 +42,32 @@ inline void add_8(Sums<kPixels>& sums, const int8x8_t* x, const std::int8_t* wei
   }
 }
 
+/// Runs of eight inputs.
+template <int kPixels>
+inline void add_runs_of_8(Sums<kPixels>& sums, const ConvBlock& block, const std::int8_t* weights) noexcept {
+  const std::int8_t* input[kPixels];
+  EGOFOCUS_UNROLL
+  for (int p = 0; p < kPixels; ++p) input[p] = with_sign(block.input + p * block.pixel_step);
+  for (std::int32_t run = 0; run < block.runs->count; ++run) {
+    const std::int64_t i = block.runs->offset[run];
+    int8x8_t x[kPixels];
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; ++p) x[p] = vld1_s8(input[p] + i);
+    add_8(sums, x, weights);
+    weights += 64;
+  }
+}
+
 template <int kPixels>
 inline void add_runs(Sums<kPixels>& sums, const ConvBlock& block, const std::int8_t* weights) noexcept {
+  const std::int8_t* input[kPixels];
+  EGOFOCUS_UNROLL
+  for (int p = 0; p < kPixels; ++p) input[p] = with_sign(block.input + p * block.pixel_step);
   for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    const std::int8_t* input[kPixels];
-    EGOFOCUS_UNROLL
-    for (int p = 0; p < kPixels; ++p)
-      input[p] = with_sign(block.input + block.runs->offset[run] + p * block.pixel_step);
-    const std::int64_t channels = block.runs->channels;
-    std::int64_t i = 0;
-    for (; i + 16 <= channels; i += 16) {
+    std::int64_t i = block.runs->offset[run];
+    const std::int64_t end = i + block.runs->channels;
+    const std::int64_t last = end - 16;
+    for (; i <= last; i += 16) {
       int8x16_t x[kPixels];
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) x[p] = vld1q_s8(input[p] + i);
@@ -63,15 +79,15 @@ inline void add_runs(Sums<kPixels>& sums, const ConvBlock& block, const std::int
       }
       weights += 64;
     }
-    if (i == channels) continue;
+    if (i == end) continue;
     int8x8_t x[kPixels];
-    if (channels - i >= 8) {
+    if (end - i >= 8) {
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) x[p] = vld1_s8(input[p] + i);
       add_8(sums, x, weights);
     }
-    if ((channels - i) % 8 != 0) {
-      const std::int64_t first = channels - 4 - i;  // 0 or 8
+    if ((end - i) % 8 != 0) {
+      const std::int64_t first = end - 4 - i;  // 0 or 8
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) x[p] = four_bytes(input[p] + i + first);
       add_8(sums, x, weights + first);
@@ -89,7 +105,12 @@ void sums_of(const ConvBlock& block) noexcept {
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) sums.acc[p][o] = vdupq_n_s32(0);
     }
-    add_runs(sums, block, block.weights + t * block.tile_stride);
+    const std::int8_t* weights = block.weights + t * block.tile_stride;
+    if (block.runs->channels == 8) {
+      add_runs_of_8(sums, block, weights);
+    } else {
+      add_runs(sums, block, weights);
+    }
     const int32x4_t bias = vld1q_s32(block.bias + 4 * t);
     EGOFOCUS_UNROLL
     for (int p = 0; p < kPixels; ++p)
@@ -99,7 +120,11 @@ void sums_of(const ConvBlock& block) noexcept {
 
 template <int kPixels, int kTiles>
 constexpr ConvBlockWidths widths() noexcept {
-  return {kPixels, sums_of<kPixels, kTiles>, sums_of<kPixels - 1, kTiles>, sums_of<kPixels / 2, kTiles>,
+  return {kPixels,
+          kPixels - 1,
+          sums_of<kPixels, kTiles>,
+          sums_of<kPixels - 1, kTiles>,
+          sums_of<kPixels / 2, kTiles>,
           sums_of<1, kTiles>};
 }
 
@@ -111,8 +136,9 @@ constexpr int kMostPixels = 2;  // 16 registers
 constexpr ConvBody kBody{
     kConvPacking_neon,
     4,
+    4,
     {widths<kMostPixels, 1>(), widths<kMostPixels, 2>(), widths<kMostPixels, 3>(), widths<kMostPixels, 4>()},
-    leave};
+    EGOFOCUS_LEAVE};
 
 }  // namespace
 

@@ -10,12 +10,13 @@ namespace egofocus {
 namespace {
 
 inline void store_part(std::uint8_t* to, uint8x8_t bytes, std::int32_t count) noexcept {
-  std::uint8_t all[8];
-  vst1_u8(all, bytes);
   if (count == 4) {
-    __builtin_memcpy(to, all, 4);
+    const std::uint32_t four = vget_lane_u32(vreinterpret_u32_u8(bytes), 0);
+    __builtin_memcpy(to, &four, 4);
     return;
   }
+  std::uint8_t all[8];
+  vst1_u8(all, bytes);
   for (std::int32_t i = 0; i < count; ++i) to[i] = all[i];
 }
 
@@ -31,6 +32,7 @@ inline void leave_8(int16x8_t r, const std::uint8_t* addend, std::uint8_t* out, 
   if constexpr (kEpilogue == ConvEpilogue::kScore) {
     const uint8x16_t bytes = vreinterpretq_u8_s16(r);
     if constexpr (kWhole) return vst1q_u8(out, bytes);
+    if (count == 1) return vst1q_lane_s16(reinterpret_cast<std::int16_t*>(out), r, 0);
     store_part(out, vget_low_u8(bytes), count < 4 ? 2 * count : 8);
     if (count > 4) store_part(out + 8, vget_high_u8(bytes), 2 * count - 8);
   } else {
@@ -53,7 +55,7 @@ inline void leave_8(int16x8_t r, const std::uint8_t* addend, std::uint8_t* out, 
 template <ConvEpilogue kEpilogue, bool kWhole>
 inline void leave_column(const ConvLeaving& leaving, std::int32_t o, std::int32_t count) noexcept {
   constexpr std::int32_t kElement = kEpilogue == ConvEpilogue::kScore ? 2 : 1;
-  const bool second = o + 4 < leaving.row;  // a lone tile of four has no other half
+  const bool second = o + 4 < leaving.row;  // a lone unit of four has no other half
   const float32x4_t scale0 = vld1q_f32(leaving.scale + o);
   const float32x4_t scale1 = kWhole || second ? vld1q_f32(leaving.scale + o + 4) : scale0;
   const std::int32_t* sums = leaving.sums + o;
@@ -69,24 +71,47 @@ inline void leave_column(const ConvLeaving& leaving, std::int32_t o, std::int32_
   }
 }
 
+/// Sixteen outputs of each pixel.
+template <ConvEpilogue kEpilogue>
+inline void leave_wide_column(const ConvLeaving& leaving, std::int32_t o, std::int64_t row) noexcept {
+  constexpr std::int32_t kElement = kEpilogue == ConvEpilogue::kScore ? 2 : 1;
+  float32x4_t scale[4];
+  for (int q = 0; q < 4; ++q) scale[q] = vld1q_f32(leaving.scale + o + 4 * q);
+  const std::int32_t* sums = leaving.sums + o;
+  const std::uint8_t* addend = kEpilogue == ConvEpilogue::kAdd ? leaving.addend + o : nullptr;
+  std::uint8_t* out = leaving.output + kElement * o;
+  const std::int32_t* end = sums + leaving.pixels * row;
+  const std::int64_t step = leaving.output_step;
+  while (sums != end) {
+    int16x8_t low = requant_s16_neon(vld1q_s32(sums), vld1q_s32(sums + 4), scale[0], scale[1]);
+    int16x8_t high = requant_s16_neon(vld1q_s32(sums + 8), vld1q_s32(sums + 12), scale[2], scale[3]);
+    if constexpr (kEpilogue == ConvEpilogue::kScore) {
+      vst1q_s16(reinterpret_cast<std::int16_t*>(out), low);
+      vst1q_s16(reinterpret_cast<std::int16_t*>(out) + 8, high);
+    } else if constexpr (kEpilogue == ConvEpilogue::kSmall) {
+      vst1q_u8(out, vreinterpretq_u8_s8(vcombine_s8(vqmovn_s16(low), vqmovn_s16(high))));
+    } else {
+      if constexpr (kEpilogue == ConvEpilogue::kAdd) {
+        const uint8x16_t x = vld1q_u8(addend);
+        low = vqaddq_s16(low, vreinterpretq_s16_u16(vmovl_u8(vget_low_u8(x))));
+        high = vqaddq_s16(high, vreinterpretq_s16_u16(vmovl_u8(vget_high_u8(x))));
+        addend += leaving.addend_step;
+      }
+      const uint8x16_t bytes = vcombine_u8(vqmovun_s16(low), vqmovun_s16(high));
+      vst1q_u8(out, vminq_u8(bytes, vdupq_n_u8(127)));
+    }
+    sums += row;
+    out += step;
+  }
+}
+
 template <ConvEpilogue kEpilogue>
 void leave_as(const ConvLeaving& leaving) noexcept {
   std::int32_t o = 0;
+  if (leaving.outputs == 16 && leaving.row == 16) return leave_wide_column<kEpilogue>(leaving, 0, 16);
+  for (; o + 16 <= leaving.outputs; o += 16) leave_wide_column<kEpilogue>(leaving, o, leaving.row);
   for (; o + 8 <= leaving.outputs; o += 8) leave_column<kEpilogue, true>(leaving, o, 8);
   if (o < leaving.outputs) leave_column<kEpilogue, false>(leaving, o, leaving.outputs - o);
-}
-
-inline void leave(const ConvLeaving& leaving) noexcept {
-  switch (leaving.epilogue) {
-    case ConvEpilogue::kRelu:
-      return leave_as<ConvEpilogue::kRelu>(leaving);
-    case ConvEpilogue::kAdd:
-      return leave_as<ConvEpilogue::kAdd>(leaving);
-    case ConvEpilogue::kSmall:
-      return leave_as<ConvEpilogue::kSmall>(leaving);
-    case ConvEpilogue::kScore:
-      return leave_as<ConvEpilogue::kScore>(leaving);
-  }
 }
 
 /// Bytes up to 127 are the same number with a sign.

@@ -118,22 +118,13 @@ void leave_as(const ConvLeaving& leaving) noexcept {
   }
 }
 
-inline void leave(const ConvLeaving& leaving) noexcept {
-  switch (leaving.epilogue) {
-    case ConvEpilogue::kRelu:
-      return leave_as<ConvEpilogue::kRelu>(leaving);
-    case ConvEpilogue::kAdd:
-      return leave_as<ConvEpilogue::kAdd>(leaving);
-    case ConvEpilogue::kSmall:
-      return leave_as<ConvEpilogue::kSmall>(leaving);
-    case ConvEpilogue::kScore:
-      return leave_as<ConvEpilogue::kScore>(leaving);
-  }
-}
-
 template <int kPixels, int kTiles>
 constexpr ConvBlockWidths widths() noexcept {
-  return {kPixels, sums_of<kPixels, kTiles>, sums_of<kPixels - 1, kTiles>, sums_of<kPixels / 2, kTiles>,
+  return {kPixels,
+          kPixels - 1,
+          sums_of<kPixels, kTiles>,
+          sums_of<kPixels - 1, kTiles>,
+          sums_of<kPixels / 2, kTiles>,
           sums_of<1, kTiles>};
 }
 

@@ -23,7 +23,8 @@ IsaSet bodies_of(const std::string& op) {
     return set;
   };
   if (op == "conv_u8s8") {
-    return set_of({Isa::kAvx2, Isa::kAvxVnni, Isa::kAvx512Vnni, Isa::kNeon, Isa::kNeonDot, Isa::kNeonMm});
+    return set_of(
+        {Isa::kSse41, Isa::kAvx2, Isa::kAvxVnni, Isa::kAvx512Vnni, Isa::kNeon, Isa::kNeonDot, Isa::kNeonMm});
   }
   return set_of({Isa::kSse41, Isa::kAvx2, Isa::kAvx512, Isa::kNeon});
 }

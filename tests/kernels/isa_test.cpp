@@ -38,6 +38,9 @@ TEST_CASE("a mask lowers what is chosen, down to scalar") {
     const KernelTable table = select_kernels(detect_isa() & isa_bit(isa));
     REQUIRE(table.warp_vote.run != nullptr);
     REQUIRE((table.warp_vote.isa == isa || table.warp_vote.isa == Isa::kScalar));
+    REQUIRE(table.conv_u8s8.run != nullptr);
+    REQUIRE((table.conv_u8s8.isa == isa || table.conv_u8s8.isa == Isa::kScalar));
+    REQUIRE((table.conv_u8s8.packing.tile_outputs > 1) == (table.conv_u8s8.isa != Isa::kScalar));
   }
 #ifdef EGOFOCUS_HAVE_AVX2
   if (has_isa(detect_isa(), Isa::kAvx2)) {
