@@ -3,6 +3,7 @@
 
 #include "core/decimal.hpp"
 #include "describe.hpp"
+#include "describe_model.hpp"
 #include "describe_raw.hpp"
 #include "hal/candump_decoder.hpp"
 #include "hal/dbc.hpp"
@@ -151,6 +152,10 @@ Json describe_file(const std::filesystem::path& path) {
   const std::string_view text = file.text();
   if (text.empty()) throw Error(ExitCode::kBadFile, name, "is empty.");
   if (text.starts_with("\x89PNG")) return describe_png(path);
+  if (text.starts_with("\x89"
+                       "EFM") ||
+      path.extension() == ".efm")
+    return describe_model(file.bytes(), name);
   if (text.starts_with("% ")) return describe_raw(file.bytes(), name);
   if (path.extension() == ".toml") return describe_camera(text, name);
   if (path.extension() == ".dbc") return describe_dbc(text, name);
@@ -161,7 +166,7 @@ Json describe_file(const std::filesystem::path& path) {
   throw Error(ExitCode::kBadFile, name,
               "is of no known kind. Known: Prophesee RAW, text events (t x y p), candump log, .dbc, poses (t "
               "px py pz qx qy "
-              "qz qw), .toml, .png, and recording folders.");
+              "qz qw), .toml, .png, .efm, and recording folders.");
 }
 
 }  // namespace egofocus::app

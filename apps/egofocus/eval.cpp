@@ -43,6 +43,7 @@ struct Arguments {
   int min_confidence = 1;
   std::optional<std::size_t> limit;
   std::string maps;
+  std::string model;
   std::string prior;
   std::string fit_prior;
   std::string out;
@@ -74,6 +75,7 @@ recording::MetricRange range_of(const Arguments& arguments) {
 std::vector<std::string> methods_of(const Arguments& arguments) {
   if (arguments.methods.empty()) {
     std::vector<std::string> methods{"focus", "focus+sgm"};
+    if (!arguments.model.empty()) methods.push_back("network");
     if (arguments.noise_study) return methods;
     methods.push_back("median");
     if (!arguments.prior.empty()) methods.insert(methods.end(), {"median-prior", "rows"});
@@ -94,6 +96,7 @@ EvalOptions options_of(const Arguments& arguments) {
   if (arguments.limit) options.max_images = *arguments.limit;
   if (!arguments.prior.empty()) options.prior = recording::read_prior(arguments.prior);
   options.maps = arguments.maps;
+  options.model = arguments.model;
   options.out = arguments.out;
   options.motion = arguments.motion;
   options.on_grid = arguments.rate_hz || arguments.first_tick_us;
@@ -230,9 +233,9 @@ void add_eval(CLI::App& program) {
   auto a = std::make_shared<Arguments>();
   command->add_option("RECORDING", a->recordings, "recording folders with depth/*.png")->required();
   command
-      ->add_option(
-          "--methods", a->methods,
-          "of focus, focus+sgm, median, median-prior, rows, maps; default: all that have their input")
+      ->add_option("--methods", a->methods,
+                   "of focus, focus+sgm, network, median, median-prior, rows, maps; default: all that have "
+                   "their input")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(recording::kMethodNames));
@@ -251,6 +254,7 @@ void add_eval(CLI::App& program) {
   command->add_option("--maps", a->maps,
                       "depth pictures to compare, named and scaled like the truth: DIR/<recording>/*.png or, "
                       "for one recording, DIR/*.png");
+  command->add_option("--model", a->model, "model file (.efm); adds the method network");
   command->add_option("--prior", a->prior, "file of --fit-prior; adds the methods median-prior and rows");
   command->add_option("--fit-prior", a->fit_prior, "write such a file from the recordings, and do no more");
   command->add_option("--out", a->out, "folder for every map, confidence and event mask as .npy");
@@ -260,8 +264,8 @@ void add_eval(CLI::App& program) {
   // Never ignore what was asked for.
   for (const char* other : {"--velocity-noise", "--out", "--curve"})
     command->get_option("--noise-study")->excludes(command->get_option(other));
-  for (const char* other : {"--methods", "--mask", "--min-confidence", "--maps", "--prior", "--out", "--json",
-                            "--curve", "--noise-study", "--velocity-noise"})
+  for (const char* other : {"--methods", "--mask", "--min-confidence", "--maps", "--model", "--prior",
+                            "--out", "--json", "--curve", "--noise-study", "--velocity-noise"})
     command->get_option("--fit-prior")->excludes(command->get_option(other));
   command->footer(
       "Examples:\n"

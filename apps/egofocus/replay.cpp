@@ -12,6 +12,7 @@
 #include "kernels/isa.hpp"
 #include "noise_options.hpp"
 #include "recording/error.hpp"
+#include "recording/model_file.hpp"
 #include "recording/png_io.hpp"
 #include "recording/progress.hpp"
 #include "recording/text_file.hpp"
@@ -31,6 +32,7 @@ struct Arguments {
   std::optional<std::int64_t> first_tick_us;
   std::optional<std::int64_t> max_ticks;
   std::string backend = "focus";
+  std::string model;
   std::optional<FocusCost> cost;
   std::optional<MotionSource> motion;
   std::optional<int> threads;
@@ -66,6 +68,16 @@ void apply(const Arguments& arguments, Config& config) {
 void run(const Arguments& arguments) {
   recording::Folder folder = recording::open_folder(arguments.recording, arguments.motion);
   apply(arguments, folder.camera.config);
+  std::optional<recording::ModelFile> model;  // outlives the replay
+  if (arguments.backend == "network") {
+    if (arguments.model.empty())
+      throw recording::Error(recording::ExitCode::kUsage, "--backend network", "needs --model FILE.");
+    model.emplace(arguments.model);
+    folder.camera.config.backend = Backend::kNetwork;
+    folder.camera.config.model = model->bytes();
+  } else if (!arguments.model.empty()) {
+    throw recording::Error(recording::ExitCode::kUsage, "--model", "is for --backend network alone.");
+  }
   recording::Replay replay(std::move(folder));
 
   std::optional<ReplayPictures> pictures;
@@ -89,6 +101,7 @@ void run(const Arguments& arguments) {
     if (!replay.tick(frame)) break;
     const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
     report.add(frame, spent.count());
+    if (frame.hypotheses > 0) report.add_stages(replay.engine().health().stages);
     std::vector<float> truth_m;
     const recording::DepthTruth* truth = replay.folder().truth_at(frame.t_us);
     if (truth != nullptr && recording::png_available()) {
@@ -129,8 +142,9 @@ void add_replay(CLI::App& program) {
       "time of the first tick (default: first depth truth, or one period after the first event)");
   command->add_option("--ticks", a->max_ticks, "stop after so many ticks")->check(CLI::PositiveNumber);
   command->add_option("--backend", a->backend, "where depth comes from")
-      ->check(CLI::IsMember({"focus"}))
+      ->check(CLI::IsMember({"focus", "network"}))
       ->capture_default_str();
+  command->add_option("--model", a->model, "--backend network: the model file (.efm)");
   const std::map<std::string, FocusCost> costs{{"gradient", FocusCost::kGradient},
                                                {"variance", FocusCost::kVariance},
                                                {"sosa", FocusCost::kSosa},

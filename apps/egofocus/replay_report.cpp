@@ -33,6 +33,21 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
+// Means, in milliseconds.
+Json stage_facts(const std::vector<StageTimes>& stages) {
+  const auto mean_ms = [&stages](std::uint32_t StageTimes::*stage) {
+    double sum_us = 0;
+    for (const StageTimes& times : stages) sum_us += times.*stage;
+    return sum_us / 1000.0 / static_cast<double>(stages.size());
+  };
+  return Json()
+      .add("motion", mean_ms(&StageTimes::motion_us))
+      .add("warp", mean_ms(&StageTimes::warp_us))
+      .add("input", mean_ms(&StageTimes::input_us))
+      .add("backend", mean_ms(&StageTimes::backend_us))
+      .add("depth", mean_ms(&StageTimes::depth_us));
+}
+
 Json event_facts(const Health& health) {
   const EventCounters& e = health.events;
   return Json()
@@ -159,6 +174,10 @@ void ReplayReport::add(const DepthFrame& frame, double milliseconds) {
   }
 }
 
+void ReplayReport::add_stages(const StageTimes& stages) {
+  stages_.push_back(stages);
+}
+
 void ReplayReport::add_truth(const recording::DepthError& error) {
   if (error.compared_px > 0) errors_.push_back(error);
 }
@@ -182,6 +201,7 @@ Json ReplayReport::summary(recording::Replay& replay) const {
   const double span_s = static_cast<double>(replay.last_event_us() - replay.first_event_us()) * 1e-6;
   Json facts;
   facts.add("recording", replay.folder().path.string())
+      .add("backend", replay.config().backend == Backend::kNetwork ? "network" : "focus")
       .add("isa", replay.engine().isa())
       .add("threads", replay.config().threads)
       .add("arena_bytes", replay.arena_bytes())
@@ -195,6 +215,7 @@ Json ReplayReport::summary(recording::Replay& replay) const {
   facts.add(
       "tick_ms",
       Json().add("p50", percentile_ms(0.5)).add("p99", percentile_ms(0.99)).add("max", percentile_ms(1.0)));
+  if (!stages_.empty()) facts.add("stage_ms", stage_facts(stages_));
   if (!errors_.empty()) {
     std::vector<double> median;
     std::vector<double> within;

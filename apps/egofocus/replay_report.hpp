@@ -25,6 +25,8 @@ using recording::Json;
 class ReplayReport {
  public:
   void add(const DepthFrame& frame, double milliseconds);
+  /// Of the tick that was added last; of those with depth alone.
+  void add_stages(const StageTimes& stages);
   void add_truth(const recording::DepthError& error);
 
   [[nodiscard]] std::size_t ticks() const { return milliseconds_.size(); }
@@ -41,6 +43,7 @@ class ReplayReport {
 
   std::vector<std::string> lines_;
   std::vector<double> milliseconds_;
+  std::vector<StageTimes> stages_;
   std::vector<double> coverage_;  // of the ticks that gave depth
   std::vector<recording::DepthError> errors_;
   std::uint64_t events_ = 0;

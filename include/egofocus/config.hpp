@@ -114,7 +114,11 @@ struct CarryConfig {
   double min_in_view = 0.1;  ///< 0..1; with a smaller share of the measured pixels in view: no depth at all
 };
 
-enum class Backend : std::uint8_t { kFocus };
+/// Where depth comes from.
+enum class Backend : std::uint8_t {
+  kFocus,    ///< the sharpest hypothesis, classical: FocusConfig
+  kNetwork,  ///< the trained network of Config::model
+};
 
 /// How a noise of so many percent is read.
 enum class NoiseKind : std::uint8_t {
@@ -175,6 +179,9 @@ struct Config {
   RealTimeConfig real_time;
   VelocityNoise velocity_noise;
   Backend backend = Backend::kFocus;
+  /// kNetwork: the bytes of a model file (.efm), at a multiple of 16; read by required_arena() and
+  /// configure() only. The ladder (but z_near_m) and window.max_events are then the model's.
+  std::span<const std::byte> model;
   std::int32_t threads = 1;              ///< 1..8 workers; the bytes are the same for any number
   std::uint32_t isa_mask = 0xffffffffu;  ///< lowers the instruction sets that may be chosen (tests)
 };

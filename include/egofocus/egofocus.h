@@ -44,10 +44,13 @@ typedef enum egofocus_status_code {
   EGOFOCUS_UNSUPPORTED_FORMAT,
   EGOFOCUS_PARSE,
   EGOFOCUS_MISSING_SIGNAL,
-  EGOFOCUS_THREAD,  /* value = errno */
-  EGOFOCUS_IO,      /* value = errno */
-  EGOFOCUS_BAD_TICK, /* value = the time asked for, bound = the one it passed */
-  EGOFOCUS_BAD_CARRY
+  EGOFOCUS_THREAD,    /* value = errno */
+  EGOFOCUS_IO,        /* value = errno */
+  EGOFOCUS_BAD_TICK,  /* value = the time asked for, bound = the one it passed */
+  EGOFOCUS_BAD_CARRY,
+  EGOFOCUS_BAD_MODEL, /* value = place (byte), bound = what stands there */
+  EGOFOCUS_UNSUPPORTED_MODEL,
+  EGOFOCUS_MODEL_MISMATCH /* value = configured, bound = the model's */
 } egofocus_status_code;
 
 typedef struct egofocus_status {
@@ -156,7 +159,7 @@ typedef struct egofocus_velocity_noise { /* for experiments; percent 0 is none *
   int32_t kind, draw;
 } egofocus_velocity_noise;
 
-enum { EGOFOCUS_BACKEND_FOCUS };
+enum { EGOFOCUS_BACKEND_FOCUS, EGOFOCUS_BACKEND_NETWORK };
 typedef struct egofocus_config {
   egofocus_camera camera;
   egofocus_intrinsics grid; /* working grid; width 0 takes the camera's pinhole part */
@@ -173,6 +176,9 @@ typedef struct egofocus_config {
   int32_t backend;
   int32_t threads; /* 1..8 */
   uint32_t isa_mask;
+  const void* model; /* EGOFOCUS_BACKEND_NETWORK: a model file, read by egofocus_required_bytes and
+                        egofocus_create only, at a multiple of 16 */
+  size_t model_bytes;
 } egofocus_config;
 
 /* Sane values for everything but `camera.intrinsics`, which only you know. Thread: any. RT: yes. */
@@ -254,6 +260,10 @@ typedef struct egofocus_tick_counters {
   uint64_t run, late, skipped, no_parallax, too_few_events, stale_velocity, no_motion, carried;
 } egofocus_tick_counters;
 
+typedef struct egofocus_stage_times { /* of the last tick with depth, monotonic clock */
+  uint32_t motion_us, warp_us, input_us, backend_us, depth_us, all_us;
+} egofocus_stage_times;
+
 enum { EGOFOCUS_WAITING, EGOFOCUS_RUNNING, EGOFOCUS_DEGRADED, EGOFOCUS_STALLED };
 typedef struct egofocus_health {
   int32_t state;
@@ -262,6 +272,7 @@ typedef struct egofocus_health {
   egofocus_sample_counters imu, odometry, poses;
   egofocus_window_counters window;
   egofocus_tick_counters ticks;
+  egofocus_stage_times stages;
   uint32_t refused;      /* what the system refused at start: 1 priority, 2 memory lock, 4 CPU pin */
   uint32_t sources_lost; /* attached sources whose poll ended with an error */
 } egofocus_health;

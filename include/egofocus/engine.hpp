@@ -14,6 +14,8 @@
 
 namespace egofocus {
 
+struct Model;
+
 /// Which clock paces the ticks.
 enum class ClockKind : std::uint8_t {
   kVirtual,    ///< time is what the samples say: tick() waits for data, not for the clock (replay, tests)
@@ -79,6 +81,8 @@ class EGOFOCUS_API Engine {
 
  private:
   struct State;
+  static Status plan(Config& config, Model& model, std::size_t& bytes_out) noexcept;
+
   State* state_ = nullptr;
 };
 

@@ -67,6 +67,17 @@ struct TickCounters {
   std::uint64_t carried = 0;  ///< of no_parallax and too_few_events: the last measured depth was shown
 };
 
+/// Where the time of the last tick that gave depth went, on the host's monotonic clock. The only numbers here
+/// that a replay does not repeat.
+struct StageTimes {
+  std::uint32_t motion_us = 0;   ///< ego-motion, ladder, choice of the window's events
+  std::uint32_t warp_us = 0;     ///< events cast onto the hypotheses; kNetwork: and the sums of its input
+  std::uint32_t input_us = 0;    ///< kNetwork: sharpness and context; kFocus: 0
+  std::uint32_t backend_us = 0;  ///< the network, or focus costs and smoothing
+  std::uint32_t depth_us = 0;    ///< cells to pixels
+  std::uint32_t all_us = 0;      ///< of these; without samples' way in
+};
+
 /// What the system refused at start(); the engine runs without it, with worse worst-case latency.
 enum RealTimeRefusal : std::uint32_t {
   kRefusedPriority = 1u << 0,    ///< SCHED_FIFO: give the process CAP_SYS_NICE or an rtprio limit
@@ -83,6 +94,7 @@ struct Health {
   SampleCounters poses;
   WindowCounters window;
   TickCounters ticks;
+  StageTimes stages;
   std::uint32_t refused = 0;  ///< RealTimeRefusal bits
   std::uint32_t sources_lost =
       0;  ///< attached sources whose poll() ended with an error, such as a lost device

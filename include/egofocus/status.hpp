@@ -35,6 +35,9 @@ enum class StatusCode : std::uint8_t {
   kIo,             ///< the system refused I/O; value = errno
   kBadTick,        ///< a tick at a time that cannot be; value = the time, bound = the one it passed
   kBadCarry,       ///< age, travel or view of carried depth out of range
+  kBadModel,       ///< a model file that is damaged or none; value = place (byte), bound = what stands there
+  kUnsupportedModel,  ///< a model of another version or with an unknown operator; bound = what is known
+  kModelMismatch,  ///< a model that does not fit the configuration; value = configured, bound = the model's
 };
 
 /// `subject` is a static string that names the field or step; `value` and `bound` depend on the code.

@@ -134,6 +134,33 @@ std::size_t Status::describe(std::span<char> out) const noexcept {
     case StatusCode::kBadCarry:
       with_value("bad carrying of depth", "See CarryConfig for the ranges.");
       break;
+    case StatusCode::kBadModel:
+      line.text("bad model: ")
+          .text(subject_)
+          .text(" (at byte ")
+          .number(value_)
+          .text(", found ")
+          .number(bound_)
+          .text("). Is the file complete, and an .efm?");
+      break;
+    case StatusCode::kUnsupportedModel:
+      line.text("unsupported model: ")
+          .text(subject_)
+          .text(" ")
+          .number(value_)
+          .text(", known is ")
+          .number(bound_)
+          .text(". Export it again with this version's training, or update the library.");
+      break;
+    case StatusCode::kModelMismatch:
+      line.text("model and configuration do not fit: ")
+          .text(subject_)
+          .text(" is ")
+          .number(value_)
+          .text(", the model needs ")
+          .number(bound_)
+          .text(".");
+      break;
   }
   return line.close();
 }

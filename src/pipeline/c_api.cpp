@@ -34,12 +34,13 @@ std::size_t push(egofocus_engine& handle, const CSample* samples, std::size_t co
   return taken;
 }
 
-static_assert(EGOFOCUS_BAD_CARRY == static_cast<int>(StatusCode::kBadCarry),
+static_assert(EGOFOCUS_MODEL_MISMATCH == static_cast<int>(StatusCode::kModelMismatch),
               "a status code was added on one side only");
 static_assert(EGOFOCUS_BAD_STATE == static_cast<int>(StatusCode::kBadState));
 static_assert(EGOFOCUS_FLAG_CARRIED == static_cast<int>(kCarried));
 static_assert(EGOFOCUS_FLAG_NO_PARALLAX == static_cast<int>(kNoParallax));
 static_assert(EGOFOCUS_STALLED == static_cast<int>(RunState::kStalled));
+static_assert(EGOFOCUS_BACKEND_NETWORK == static_cast<int>(Backend::kNetwork));
 static_assert(EGOFOCUS_COST_STI == static_cast<int>(FocusCost::kSti));
 static_assert(EGOFOCUS_CLOCK_MONOTONIC == static_cast<int>(ClockKind::kMonotonic));
 

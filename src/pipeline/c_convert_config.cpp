@@ -225,7 +225,8 @@ Status c_config_problem(const egofocus_config& c) noexcept {
   if (!known(c.velocity_noise.draw, NoiseDraw::kWindow)) {
     return {StatusCode::kBadMotion, "velocity_noise.draw", c.velocity_noise.draw};
   }
-  if (!known(c.backend, Backend::kFocus)) return {StatusCode::kBadFocus, "backend", c.backend};
+  if (!known(c.backend, Backend::kNetwork)) return {StatusCode::kBadFocus, "backend", c.backend};
+  if (c.model == nullptr && c.model_bytes != 0) return {StatusCode::kBadModel, "model is NULL"};
   if (c.filter.hot_pixels == nullptr && c.filter.hot_pixel_count != 0) {
     return {StatusCode::kBadFilter, "filter.hot_pixels", 0};
   }
@@ -235,7 +236,7 @@ Status c_config_problem(const egofocus_config& c) noexcept {
 Config config_from_c(const egofocus_config& c) noexcept {
   Config out;
   auto& [camera, grid, ladder, window, filter, motion, focus, carry, rate, rings, real_time, velocity_noise,
-         backend, threads, isa_mask] = out;
+         backend, model, threads, isa_mask] = out;
   camera = from_c(c.camera);
   grid = from_c(c.grid);
   ladder = from_c(c.ladder);
@@ -249,6 +250,7 @@ Config config_from_c(const egofocus_config& c) noexcept {
   real_time = from_c(c.real_time);
   velocity_noise = from_c(c.velocity_noise);
   backend = static_cast<Backend>(c.backend);
+  model = {static_cast<const std::byte*>(c.model), c.model_bytes};
   threads = c.threads;
   isa_mask = c.isa_mask;
   return out;
@@ -256,10 +258,10 @@ Config config_from_c(const egofocus_config& c) noexcept {
 
 egofocus_config config_to_c(const Config& config) noexcept {
   const auto& [camera, grid, ladder, window, filter, motion, focus, carry, rate, rings, real_time,
-               velocity_noise, backend, threads, isa_mask] = config;
-  return {to_c(camera),    to_c(grid),           to_c(ladder),    to_c(window), to_c(filter),
-          to_c(motion),    to_c(focus),          to_c(carry),     to_c(rate),   to_c(rings),
-          to_c(real_time), to_c(velocity_noise), number(backend), threads,      isa_mask};
+               velocity_noise, backend, model, threads, isa_mask] = config;
+  return {to_c(camera),    to_c(grid),  to_c(ladder), to_c(window), to_c(filter),    to_c(motion),
+          to_c(focus),     to_c(carry), to_c(rate),   to_c(rings),  to_c(real_time), to_c(velocity_noise),
+          number(backend), threads,     isa_mask,     model.data(), model.size()};
 }
 
 }  // namespace egofocus

@@ -111,7 +111,9 @@ DepthFrame pixels_from_c(const egofocus_depth_frame& c) noexcept {
 }
 
 egofocus_health health_to_c(const Health& health) noexcept {
-  const auto& [state, cause, events, imu, odometry, poses, window, ticks, refused, sources_lost] = health;
+  const auto& [state, cause, events, imu, odometry, poses, window, ticks, stages, refused, sources_lost] =
+      health;
+  const auto& [motion_us, warp_us, input_us, backend_us, depth_us, all_us] = stages;
   return {static_cast<std::int32_t>(state),
           static_cast<std::int32_t>(cause),
           to_c(events),
@@ -120,6 +122,7 @@ egofocus_health health_to_c(const Health& health) noexcept {
           to_c(poses),
           to_c(window),
           to_c(ticks),
+          {motion_us, warp_us, input_us, backend_us, depth_us, all_us},
           refused,
           sources_lost};
 }

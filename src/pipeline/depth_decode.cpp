@@ -37,9 +37,12 @@ void DepthDecode::run(const CellDepth& cells, WorkerPool& pool, std::span<std::u
   cells_ = cells;
   inverse_depth_ = inverse_depth;
   confidence_ = confidence;
-  pool.run(
-      [](void* self, int part, int parts) noexcept { static_cast<DepthDecode*>(self)->median(part, parts); },
-      this);
+  index_q8_ = cells.median ? std::span<const std::uint16_t>(median_q8_) : cells.index_q8;
+  if (cells.median) {
+    pool.run([](void* self, int part,
+                int parts) noexcept { static_cast<DepthDecode*>(self)->median(part, parts); },
+             this);
+  }
   pool.run(
       [](void* self, int part, int parts) noexcept { static_cast<DepthDecode*>(self)->enlarge(part, parts); },
       this);
@@ -85,10 +88,10 @@ void DepthDecode::enlarge(int part, int parts) noexcept {
         inverse_depth_[out] = 0;
         continue;
       }
-      const std::int32_t own = median_q8_[own_at];
+      const std::int32_t own = index_q8_[own_at];
       const auto neighbour = [&](std::int32_t cx, std::int32_t cy) noexcept {
         const auto at = static_cast<std::size_t>(cy * width + cx);
-        const std::int32_t value = median_q8_[at];
+        const std::int32_t value = index_q8_[at];
         const std::int32_t step = value > own ? value - own : own - value;
         return cells_.confidence[at] == 0 || step > kEdge_q8 ? own : value;
       };

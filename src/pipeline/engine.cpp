@@ -54,7 +54,7 @@ void poll_until_stopped(void* self) noexcept {
 }  // namespace
 
 struct Engine::State {
-  State(const Config& c, Arena& arena) noexcept
+  State(const Config& c, const Model& model, Arena& arena) noexcept
       : config(c),
         kernels(select_kernels(detect_isa() & c.isa_mask)),
         rings{SpscRing<Event>(arena.array<Event>(c.rings.events)),
@@ -62,8 +62,9 @@ struct Engine::State {
               SpscRing<OdometrySample>(arena.array<OdometrySample>(c.rings.odometry)),
               SpscRing<PoseSample>(arena.array<PoseSample>(c.rings.poses))},
         inlets(rings),
-        pipeline(c, kernels, arena) {
+        pipeline(c, model, kernels, arena) {
     config.filter.hot_pixels = {};
+    config.model = {};
     const Intrinsics grid = working_grid(c);
     const auto pixels = static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px);
     for (int i = 0; i < 3; ++i) {
@@ -92,20 +93,30 @@ struct Engine::State {
   std::atomic<bool> stopping{false};
 };
 
-Status Engine::required_arena(const Config& config, std::size_t& bytes_out) noexcept {
+// `config` becomes the one that is used, `model` that of the network backend.
+Status Engine::plan(Config& config, Model& model, std::size_t& bytes_out) noexcept {
   bytes_out = 0;
+  if (Status status = adopt_model(config, model); !status.ok()) return status;
   if (Status status = check_config(config); !status.ok()) return status;
   Arena counter;
   static_cast<void>(counter.array<std::byte>(sizeof(State)));
-  const State probe(config, counter);
+  const State probe(config, model, counter);
   bytes_out = counter.used_bytes();
   return {};
 }
 
-Status Engine::configure(const Config& config, std::span<std::byte> block) noexcept {
+Status Engine::required_arena(const Config& config, std::size_t& bytes_out) noexcept {
+  Config used = config;
+  Model model;
+  return plan(used, model, bytes_out);
+}
+
+Status Engine::configure(const Config& asked, std::span<std::byte> block) noexcept {
   if (state_ != nullptr) return {StatusCode::kBadState, "configure() twice; make another Engine"};
+  Config config = asked;
+  Model model;
   std::size_t needed = 0;
-  if (Status status = required_arena(config, needed); !status.ok()) return status;
+  if (Status status = plan(config, model, needed); !status.ok()) return status;
   if (block.size() < needed) {
     return {StatusCode::kArenaTooSmall, "arena", static_cast<std::int64_t>(block.size()),
             static_cast<std::int64_t>(needed)};
@@ -115,7 +126,7 @@ Status Engine::configure(const Config& config, std::span<std::byte> block) noexc
     return {StatusCode::kArenaMisaligned, "arena", static_cast<std::int64_t>(address % Arena::kAlignment)};
   }
   Arena arena(block);
-  state_ = arena.object<State>(config, arena);
+  state_ = arena.object<State>(config, model, arena);
   state_->pipeline.prepare(config);
   return {};
 }

@@ -19,6 +19,7 @@ struct CellDepth {
   CellGrid cells;
   std::span<const std::uint16_t> index_q8;   ///< hypothesis at 1/256 bin
   std::span<const std::uint8_t> confidence;  ///< 0 = no estimate
+  bool median = true;                        ///< depth_decode takes the median over neighbours first
 };
 
 class Focus {

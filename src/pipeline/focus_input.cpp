@@ -3,6 +3,7 @@
 #include "core/check.hpp"
 #include "core/elementary.hpp"
 #include "pipeline/fixed_point.hpp"
+#include "pipeline/in_parts.hpp"
 
 namespace egofocus {
 namespace {
@@ -44,8 +45,19 @@ Status FocusInput::check(const FocusInputConfig& config) noexcept {
   return {};
 }
 
+std::size_t FocusInput::sums_bytes(const Intrinsics& grid, std::int32_t hypotheses) noexcept {
+  return sizeof(std::uint16_t) * 4 * static_cast<std::size_t>(hypotheses) *
+         energy_grid(grid.width_px, grid.height_px).size();
+}
+
+std::size_t FocusInput::focus_bytes(const FocusInputConfig& config, const Intrinsics& grid,
+                                    std::int32_t hypotheses) noexcept {
+  return static_cast<std::size_t>(hypotheses) * static_cast<std::size_t>(config.map_count) *
+         energy_grid(grid.width_px, grid.height_px).size();
+}
+
 FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses,
-                       int parts, Arena& arena) noexcept
+                       int parts, Arena& arena, Arena& sums_arena, Arena& focus_arena) noexcept
     : config_(config),
       grid_(grid),
       cells_(energy_grid(grid.width_px, grid.height_px)),
@@ -56,8 +68,8 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
   const auto depth = static_cast<std::size_t>(hypotheses);
   const auto width = static_cast<std::size_t>(cells_.width);
   for (std::int32_t i = 0; i < 4; ++i) scale_[i] = support_scale(2 * i + 1, config.floor_events_milli);
-  sums_ = arena.array<std::uint16_t>(4 * depth * cells_.size());
-  focus_ = arena.array<std::uint8_t>(depth * static_cast<std::size_t>(config_.map_count) * cells_.size());
+  sums_ = sums_arena.array<std::uint16_t>(sums_bytes(grid, hypotheses) / sizeof(std::uint16_t));
+  focus_ = focus_arena.array<std::uint8_t>(focus_bytes(config, grid, hypotheses));
   context_ = arena.array<std::uint8_t>(static_cast<std::size_t>(context_channels()) * cells_.size());
   column_q8_ = arena.array<std::int32_t>(width);
   row_q8_ = arena.array<std::int32_t>(static_cast<std::size_t>(cells_.height));
@@ -83,16 +95,28 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
 
 void FocusInput::run(std::span<const std::uint8_t> planes, const HypothesisLadder& ladder,
                      const double (&baseline_m)[3], WorkerPool& pool) noexcept {
+  begin(ladder, baseline_m);
+  const auto pixels = static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px);
+  in_parts(pool, [&](int part, int parts) noexcept {
+    for (std::int32_t k = used_ * part / parts; k < used_ * (part + 1) / parts; ++k)
+      add_plane(k, planes.subspan(static_cast<std::size_t>(k) * pixels, pixels), part);
+  });
+  finish(pool);
+}
+
+void FocusInput::begin(const HypothesisLadder& ladder, const double (&baseline_m)[3]) noexcept {
   EGOFOCUS_CHECK(ladder.count >= 1 && ladder.count <= hypotheses_);
-  planes_ = planes;
   used_ = ladder.count;
   displacements(ladder, baseline_m);
-  pool.run([](void* self, int part,
-              int parts) noexcept { static_cast<FocusInput*>(self)->sum_planes(part, parts); },
-           this);
-  pool.run(
-      [](void* self, int part, int parts) noexcept { static_cast<FocusInput*>(self)->rows(part, parts); },
-      this);
+}
+
+void FocusInput::add_plane(std::int32_t k, std::span<const std::uint8_t> plane, int part) noexcept {
+  sum_cells(plane, grid_.width_px, grid_.height_px, scratch_[part].counts,
+            {sums(0, k), sums(1, k), sums(2, k), sums(3, k)});
+}
+
+void FocusInput::finish(WorkerPool& pool) noexcept {
+  in_parts(pool, [this](int part, int parts) noexcept { rows(part, parts); });
 }
 
 // Where a cell's centre moves with one hypothesis more: its x depends on the column alone, its y on the row.
@@ -109,14 +133,6 @@ void FocusInput::displacements(const HypothesisLadder& ladder, const double (&ba
 std::span<std::uint16_t> FocusInput::sums(std::size_t map, std::int32_t k) const noexcept {
   const std::size_t plane = map * static_cast<std::size_t>(hypotheses_) + static_cast<std::size_t>(k);
   return sums_.subspan(plane * cells_.size(), cells_.size());
-}
-
-void FocusInput::sum_planes(int part, int parts) noexcept {
-  const auto pixels = static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px);
-  for (std::int32_t k = used_ * part / parts; k < used_ * (part + 1) / parts; ++k) {
-    sum_cells(planes_.subspan(static_cast<std::size_t>(k) * pixels, pixels), grid_.width_px, grid_.height_px,
-              scratch_[part].counts, {sums(0, k), sums(1, k), sums(2, k), sums(3, k)});
-  }
 }
 
 bool FocusInput::has_map(std::int32_t side) const noexcept {

@@ -40,13 +40,26 @@ class FocusInput {
   /// Takes from the arena: 8 bytes per hypothesis and cell, the outputs, and 14 bytes per hypothesis and cell
   /// of a row for each part. `hypotheses` (D): 1..64.
   FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses, int parts,
-             Arena& arena) noexcept;
+             Arena& arena) noexcept
+      : FocusInput(config, grid, hypotheses, parts, arena, arena, arena) {}
+  /// The sums, which nobody needs after run(), and the focus from arenas of their own.
+  FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses, int parts,
+             Arena& arena, Arena& sums, Arena& focus) noexcept;
+  [[nodiscard]] static std::size_t sums_bytes(const Intrinsics& grid, std::int32_t hypotheses) noexcept;
+  [[nodiscard]] static std::size_t focus_bytes(const FocusInputConfig& config, const Intrinsics& grid,
+                                               std::int32_t hypotheses) noexcept;
 
   /// `planes`: counts [ladder.count][height][width] of the grid, as Warp::planes() has them; ladder.count:
   /// 1..D. `baseline_m`: the camera's centre at the window's begin, seen at its end. The outputs are valid
   /// until the next call. Thread: the tick. RT: yes.
   void run(std::span<const std::uint8_t> planes, const HypothesisLadder& ladder,
            const double (&baseline_m)[3], WorkerPool& pool) noexcept;
+
+  /// The same in pieces, by whoever has one plane at a time: begin(), each plane of hypothesis k <
+  /// ladder.count once (by any part, also at once), finish(). RT: yes.
+  void begin(const HypothesisLadder& ladder, const double (&baseline_m)[3]) noexcept;
+  void add_plane(std::int32_t k, std::span<const std::uint8_t> plane, int part) noexcept;
+  void finish(WorkerPool& pool) noexcept;
 
   [[nodiscard]] const EnergyGrid& cells() const noexcept { return cells_; }
   /// density at sides 1 and 7, contrast of each map, parallax of one hypothesis x, y, norm, share of D
@@ -68,7 +81,6 @@ class FocusInput {
     SharpnessRow row;
   };
   void displacements(const HypothesisLadder& ladder, const double (&baseline_m)[3]) noexcept;
-  void sum_planes(int part, int parts) noexcept;
   void rows(int part, int parts) noexcept;
   void support(std::int32_t side, std::int32_t y, Scratch& s) noexcept;
   void parallax(std::int32_t y) noexcept;
@@ -87,7 +99,6 @@ class FocusInput {
   std::span<std::int32_t> column_q8_;  // [width] px of one hypothesis
   std::span<std::int32_t> row_q8_;     // [height]
   Scratch scratch_[kMaxParts];
-  std::span<const std::uint8_t> planes_;
   std::int32_t used_ = 0;
 };
 

@@ -1,18 +1,42 @@
 #include "pipeline/pipeline.hpp"
 
-namespace egofocus {
+#include "pipeline/in_parts.hpp"
 
-Pipeline::Pipeline(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
+namespace egofocus {
+namespace {
+
+std::optional<NetworkMemory> network_memory(const Config& config, const Model& model, Arena& arena) noexcept {
+  if (config.backend != Backend::kNetwork) return std::nullopt;
+  return std::optional<NetworkMemory>(std::in_place, config, model, arena);
+}
+
+Warp make_warp(const Config& config, const KernelTable& kernels, const std::optional<NetworkMemory>& shared,
+               Arena& arena) noexcept {
+  if (!shared) return Warp(config, kernels, arena);
+  Arena lines = shared->lines();
+  return Warp(config, kernels, arena, lines);
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Config& config, const Model& model, const KernelTable& kernels,
+                   Arena& arena) noexcept
     : config_(config),
       grid_(working_grid(config)),
       filter_(config, arena),
       window_(config.window, arena),
       ego_motion_(arena.object<EgoMotion>(config.motion)),
       track_(arena.object<MotionTrack>()),
-      warp_(config, kernels, arena),
-      focus_(config, config.threads, arena),
+      network_memory_(network_memory(config, model, arena)),
+      warp_(make_warp(config, kernels, network_memory_, arena)),
       depth_decode_(grid_, arena),
       carried_(config.carry, grid_, arena) {
+  if (network_memory_) {
+    network_.emplace(config, model, kernels, *network_memory_, arena);
+  } else {
+    focus_.emplace(config, config.threads, arena);
+  }
+  config_.model = {};
   config_.filter.hot_pixels = {};  // the caller's memory is not ours after set-up
 }
 
@@ -23,6 +47,7 @@ void Pipeline::prepare(const Config& config) noexcept {
 // --- the algorithm -----------------------------------------------------------------------------------
 
 void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noexcept {
+  StageWatch watch;
   DepthFrame& frame = out.frame;
   frame = {};
   frame.t_us = tick_us;
@@ -71,22 +96,13 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
 
   // 4. Events -> stack of warped images -> focus -> depth.
   if (!carried && has_stack && track(oldest_us, ladder.begin_us, tick_us)) {
-    struct Step {
-      Pipeline& self;
-      const EventWindow::Selection& selection;
-      const HypothesisLadder& ladder;
-    } step{*this, selection, ladder};
-    pool.run(
-        [](void* context, int part, int parts) noexcept {
-          auto& s = *static_cast<Step*>(context);
-          s.self.warp_.project(s.self.window_, s.selection, *s.self.track_, s.ladder, part, parts);
-        },
-        &step);
-    pool.run([](void* context, int part,
-                int parts) noexcept { static_cast<Step*>(context)->self.warp_.vote(part, parts); },
-             &step);
-    const CellDepth cells = focus_.run(warp_, ladder, track_->knots[0].centre_m, pool);
+    StageTimes stages;
+    stages.motion_us = watch.lap_us();
+    const CellDepth cells = depth_of_cells(selection, ladder, pool, watch, stages);
     depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
+    stages.depth_us = watch.lap_us();
+    stages.all_us = watch.all_us();
+    stages_ = stages;
     frame.events = selection.count;
     frame.votes = warp_.votes();
     frame.hypotheses = ladder.count;
@@ -101,6 +117,28 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   frame.age_us = last_depth_event_us_ == INT64_MIN ? INT64_MAX : tick_us - last_depth_event_us_;
   conclude(frame);
   last_tick_us_ = tick_us;
+}
+
+CellDepth Pipeline::depth_of_cells(const EventWindow::Selection& selection, const HypothesisLadder& ladder,
+                                   WorkerPool& pool, StageWatch& watch, StageTimes& stages) noexcept {
+  const double(&baseline_m)[3] = track_->knots[0].centre_m;
+  in_parts(pool, [&](int part, int parts) noexcept {
+    warp_.project(window_, selection, *track_, ladder, part, parts);
+  });
+  CellDepth cells;
+  if (network_) {
+    network_->vote(warp_, ladder, baseline_m, pool);
+    stages.warp_us = watch.lap_us();
+    network_->prepare_input(pool);
+    stages.input_us = watch.lap_us();
+    cells = network_->run(pool);
+  } else {
+    in_parts(pool, [this](int part, int parts) noexcept { warp_.vote(part, parts); });
+    stages.warp_us = watch.lap_us();
+    cells = focus_->run(warp_, ladder, baseline_m, pool);
+  }
+  stages.backend_us = watch.lap_us();
+  return cells;
 }
 
 bool Pipeline::track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept {
@@ -258,6 +296,7 @@ void Pipeline::report(Health& health) const noexcept {
   health.odometry.invalid += ahead_[1];
   health.poses.invalid += ahead_[2];
   health.window = window_counters_;
+  health.stages = stages_;
   const TickCounters scheduled = health.ticks;
   health.ticks = tick_counters_;
   health.ticks.late = scheduled.late;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/arena.hpp"
 #include "core/inlets.hpp"
@@ -16,6 +17,8 @@
 #include "pipeline/event_window.hpp"
 #include "pipeline/focus.hpp"
 #include "pipeline/hypothesis_ladder.hpp"
+#include "pipeline/network_backend.hpp"
+#include "pipeline/stage_watch.hpp"
 #include "pipeline/velocity_noise.hpp"
 #include "pipeline/warp.hpp"
 
@@ -31,7 +34,8 @@ struct FrameSlot {
 /// Thread: the tick's. RT: yes, but the constructor and prepare().
 class Pipeline {
  public:
-  Pipeline(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
+  /// `model`: that of adopt_model(), for Backend::kNetwork alone; read here only.
+  Pipeline(const Config& config, const Model& model, const KernelTable& kernels, Arena& arena) noexcept;
   void prepare(const Config& config) noexcept;
 
   /// Takes from the rings what has t <= tick_us; what is newer stays there. Events more than `ahead_us` newer
@@ -63,6 +67,9 @@ class Pipeline {
   void follow(bool has_motion, std::int64_t tick_us) noexcept;
   /// The kept depth as seen at the tick; false where there is none.
   bool carry(std::int64_t tick_us, FrameSlot& out) noexcept;
+  /// Events -> warped images -> the backend's cells.
+  CellDepth depth_of_cells(const EventWindow::Selection& selection, const HypothesisLadder& ladder,
+                           WorkerPool& pool, StageWatch& watch, StageTimes& stages) noexcept;
   void blank(FrameSlot& out) noexcept;
   void conclude(const DepthFrame& frame) noexcept;
 
@@ -72,8 +79,10 @@ class Pipeline {
   EventWindow window_;
   EgoMotion* ego_motion_;  // large: in the arena
   MotionTrack* track_;
+  std::optional<NetworkMemory> network_memory_;
   Warp warp_;
-  Focus focus_;
+  std::optional<Focus> focus_;  // one of the two backends
+  std::optional<NetworkBackend> network_;
   DepthDecode depth_decode_;
   CarriedDepth carried_;
 
@@ -85,6 +94,7 @@ class Pipeline {
   std::uint64_t outside_until_ = 0;     // events up to this number are already counted as outside the motion
   WindowCounters window_counters_;
   TickCounters tick_counters_;
+  StageTimes stages_;
   RunState state_ = RunState::kWaiting;
   Cause cause_ = Cause::kNone;
 };

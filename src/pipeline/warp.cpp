@@ -23,6 +23,18 @@ MotionKnot interpolate(const MotionKnot& a, const MotionKnot& b, double share) n
   return out;
 }
 
+LandingLines take_lines(std::int32_t max_events, Arena& arena) noexcept {
+  const auto events = static_cast<std::size_t>(max_events);
+  LandingLines lines;
+  lines.u_q16 = arena.array<std::int32_t>(events);
+  lines.v_q16 = arena.array<std::int32_t>(events);
+  lines.du_q16 = arena.array<std::int32_t>(events);
+  lines.dv_q16 = arena.array<std::int32_t>(events);
+  lines.k_end = arena.array<std::uint8_t>(events);
+  lines.time_u8 = arena.array<std::uint8_t>(events);
+  return lines;
+}
+
 }  // namespace
 
 LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
@@ -53,22 +65,29 @@ LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsic
   return {round_q16(u), round_q16(v), round_q16(du), round_q16(dv), k_end};
 }
 
+std::size_t Warp::lines_bytes(std::int32_t max_events) noexcept {
+  Arena counter;
+  static_cast<void>(take_lines(max_events, counter));
+  return counter.used_bytes();
+}
+
 Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
+    : Warp(config, kernels, arena, arena, true) {}
+
+Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines) noexcept
+    : Warp(config, kernels, arena, lines, false) {}
+
+Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines,
+           bool keeps_stack) noexcept
     : grid_(working_grid(config)),
       sensor_width_(config.camera.intrinsics.width_px),
       hypotheses_(config.ladder.hypotheses),
       pixels_(static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px)),
       vote_(kernels.warp_vote.run) {
-  const auto events = static_cast<std::size_t>(config.window.max_events);
   rays_ = arena.array<Ray>(static_cast<std::size_t>(sensor_width_) *
                            static_cast<std::size_t>(config.camera.intrinsics.height_px));
-  lines_.u_q16 = arena.array<std::int32_t>(events);
-  lines_.v_q16 = arena.array<std::int32_t>(events);
-  lines_.du_q16 = arena.array<std::int32_t>(events);
-  lines_.dv_q16 = arena.array<std::int32_t>(events);
-  lines_.k_end = arena.array<std::uint8_t>(events);
-  lines_.time_u8 = arena.array<std::uint8_t>(events);
-  stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
+  lines_ = take_lines(config.window.max_events, lines);
+  if (keeps_stack) stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
   for (int i = 0; i < config.threads; ++i) scratch_[i] = arena.array<std::uint32_t>(pixels_);
 }
 
@@ -117,14 +136,20 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
     behind += static_cast<std::uint64_t>(ladder.count - line.k_end);
   }
   counts_[part].behind_camera = behind;
+  counts_[part].votes = 0;
 }
 
 void Warp::vote(int part, int parts) noexcept {
   const std::int32_t first = used_ * part / parts;
   const std::int32_t last = used_ * (part + 1) / parts;
-  const std::span<std::uint8_t> mine = stack_.subspan(static_cast<std::size_t>(first) * pixels_,
-                                                      static_cast<std::size_t>(last - first) * pixels_);
-  __builtin_memset(mine.data(), 0, mine.size());
+  vote_planes(first, last - first, part,
+              stack_.subspan(static_cast<std::size_t>(first) * pixels_,
+                             static_cast<std::size_t>(last - first) * pixels_));
+}
+
+void Warp::vote_planes(std::int32_t first, std::int32_t count, int part,
+                       std::span<std::uint8_t> planes) noexcept {
+  __builtin_memset(planes.data(), 0, static_cast<std::size_t>(count) * pixels_);
   WarpVote vote;
   vote.u_q16 = lines_.u_q16.data();
   vote.v_q16 = lines_.v_q16.data();
@@ -133,14 +158,14 @@ void Warp::vote(int part, int parts) noexcept {
   vote.k_end = lines_.k_end.data();
   vote.n = lines_.count;
   vote.k_begin = first;
-  vote.k_count = last - first;
+  vote.k_count = count;
   vote.width = grid_.width_px;
   vote.height = grid_.height_px;
   vote.row_stride = grid_.width_px;
   vote.plane_stride = static_cast<std::int64_t>(pixels_);
-  vote.stack = mine.data();
+  vote.stack = planes.data();
   vote.scratch = scratch_[part].data();
-  counts_[part].votes = static_cast<std::uint64_t>(vote_(vote));
+  counts_[part].votes += static_cast<std::uint64_t>(vote_(vote));
 }
 
 std::uint64_t Warp::votes() const noexcept {

@@ -46,6 +46,9 @@ class Warp {
   /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event), the stack (1 byte per
   /// hypothesis and grid pixel) and the kernel's scratch (4 bytes per grid pixel and thread) from the arena.
   Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
+  /// For vote_planes() alone: no stack, and the lines from an arena of their own.
+  Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines) noexcept;
+  [[nodiscard]] static std::size_t lines_bytes(std::int32_t max_events) noexcept;
 
   /// Fills the ray table. RT: no (set-up).
   void prepare(const CameraModel& camera) noexcept;
@@ -59,6 +62,11 @@ class Warp {
   /// Clears and votes the hypotheses of part `part`, after all parts of project(). Parts may run at once. RT:
   /// yes.
   void vote(int part, int parts) noexcept;
+
+  /// Clears `planes` and votes hypotheses first .. first + count - 1 into them: [count][height][width]. In
+  /// place of vote(), each hypothesis once; quickest by kPlanesAtOnce. Parts may run at once. RT: yes.
+  static constexpr std::int32_t kPlanesAtOnce = 4;
+  void vote_planes(std::int32_t first, std::int32_t count, int part, std::span<std::uint8_t> planes) noexcept;
 
   [[nodiscard]] std::uint64_t votes() const noexcept;
   [[nodiscard]] std::uint64_t behind_camera() const noexcept;
@@ -75,6 +83,9 @@ class Warp {
   [[nodiscard]] std::int32_t used() const noexcept { return used_; }
 
  private:
+  Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines,
+       bool keeps_stack) noexcept;
+
   struct alignas(kCacheLine) PartCount {
     std::uint64_t votes = 0;
     std::uint64_t behind_camera = 0;

@@ -64,6 +64,11 @@ EvalMethod::EvalMethod(const std::string& name, const fs::path& recording, const
   if (name == "focus" || name == "focus+sgm") {
     folder.camera.config.focus.smoothing = name == "focus+sgm";
     replay_ = std::make_unique<Replay>(std::move(folder));
+  } else if (name == "network" && !options.model.empty()) {
+    model_.emplace(options.model);
+    folder.camera.config.backend = Backend::kNetwork;
+    folder.camera.config.model = model_->bytes();
+    replay_ = std::make_unique<Replay>(std::move(folder));
   } else if (name == "median") {
     set_constant(0);
   } else if (name == "median-prior" && options.prior) {
@@ -75,8 +80,8 @@ EvalMethod::EvalMethod(const std::string& name, const fs::path& recording, const
   } else {
     throw Error(ExitCode::kUsage, "--methods",
                 "`" + name +
-                    "` is unknown, or lacks its input: median-prior and rows need --prior FILE, maps "
-                    "needs --maps DIR.");
+                    "` is unknown, or lacks its input: network needs --model FILE, median-prior and "
+                    "rows need --prior FILE, maps needs --maps DIR.");
   }
 }
 

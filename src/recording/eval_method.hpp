@@ -11,6 +11,7 @@
 
 #include "recording/depth_metrics.hpp"
 #include "recording/depth_prior.hpp"
+#include "recording/model_file.hpp"
 #include "recording/replay.hpp"
 
 namespace egofocus::recording {
@@ -18,11 +19,12 @@ namespace egofocus::recording {
 /// Names that `egofocus eval --methods` knows.
 ///   focus        the focus backend, argmax alone
 ///   focus+sgm    the focus backend with semi-global smoothing
+///   network      the network backend
 ///   median       the median of this recording's own truth: an oracle that no method has
 ///   median-prior the median of the training recordings
 ///   rows         one depth per row, from the training recordings
 ///   maps         depth pictures of somebody else
-inline const std::vector<std::string> kMethodNames = {"focus",        "focus+sgm", "median",
+inline const std::vector<std::string> kMethodNames = {"focus",        "focus+sgm", "network", "median",
                                                       "median-prior", "rows",      "maps"};
 
 struct EvalOptions {
@@ -32,6 +34,7 @@ struct EvalOptions {
   std::size_t max_images = SIZE_MAX;  ///< of each recording, the first ones
   std::optional<DepthPrior> prior;    ///< for median-prior and rows
   std::filesystem::path maps;         ///< for maps: pictures named like the truth
+  std::filesystem::path model;        ///< for network: a model file
   /// Maps and masks, for numpy: each recording's folder appears there whole or not at all. Empty: nowhere.
   std::filesystem::path out;
   std::optional<MotionSource> motion;
@@ -77,6 +80,7 @@ class EvalMethod {
   [[nodiscard]] DepthMap map(const DepthTruth& truth, const CameraFile& camera) const;
 
  private:
+  std::optional<ModelFile> model_;
   std::unique_ptr<Replay> replay_;
   DepthFrame frame_;
   int min_confidence_;

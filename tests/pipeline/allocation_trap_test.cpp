@@ -13,7 +13,9 @@
 #include "core/clock.hpp"
 #include "core/worker_pool.hpp"
 #include "support/engine_in_block.hpp"
+#include "support/network_vectors.hpp"
 #include "support/sliding_scene.hpp"
+#include "support/source_dir.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define EGOFOCUS_TRAP 0
@@ -192,9 +194,13 @@ TEST_CASE("the trap can fail: it sees an allocation, a release, a lock and an ex
 TEST_CASE("1,000 ticks with real work allocate, lock and throw nothing") {
   if (!trapping()) return;
   const int threads = GENERATE(1, 2);
+  const Backend backend = GENERATE(Backend::kFocus, Backend::kNetwork);
+  const test::ModelMemory model(test::file_bytes(test::source_dir() + "/fixtures/network/model.efm"));
   const ClockKind kind = GENERATE(ClockKind::kVirtual, ClockKind::kMonotonic);
   Config config = SlidingScene::config();
   config.threads = threads;
+  config.backend = backend;
+  config.model = model.bytes();
   config.ladder.hypotheses = 8;
   config.filter.refractory_us = 200;
   config.filter.isolated_us = 100'000;
@@ -251,7 +257,8 @@ TEST_CASE("1,000 ticks with real work allocate, lock and throw nothing") {
   disarm();
   const Health health = engine->health();
   engine->stop();
-  INFO("threads " << threads << ", clock " << static_cast<int>(kind));
+  INFO("threads " << threads << ", clock " << static_cast<int>(kind) << ", backend "
+                  << static_cast<int>(backend));
   CHECK(allocations == 0);
   CHECK(releases == 0);
   CHECK(locks == 0);

@@ -1,5 +1,6 @@
-"""python3 -m egofocus_training.export --config FILE --weights FILE --out DIR: the network as ONNX, for other engines.
+"""python3 -m egofocus_training.export --config FILE --weights FILE --out DIR: the network for the library, and as ONNX for other engines.
 
+DIR/NAME.efm     the integer model, as the library loads it; NAME: that of the weights' folder, or --name
 DIR/float.onnx   the float network
 DIR/qdq.onnx     the same with QuantizeLinear and DequantizeLinear where the integer model has bytes, weights per output channel
 DIR/vectors.bin  one window's inputs, every intermediate of the integer model by name and its outputs, and PyTorch's outputs of
@@ -16,7 +17,7 @@ import numpy as np
 import torch
 from torch import nn
 
-from . import errors
+from . import checkpoint, efm, errors
 from .config import load_config
 from .evaluate import load_network
 from .integer_model import IntegerModel
@@ -154,24 +155,9 @@ def write_vectors(arrays, folder):
     (folder / "vectors.json").write_text(json.dumps(places, indent=1), encoding="utf-8")
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="egofocus_training.export", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--config", required=True)
-    parser.add_argument("--weights", required=True)
-    parser.add_argument("--out", required=True)
-    parser.add_argument("--size", default="346x260", help="the working grid, WIDTHxHEIGHT in px")
-    arguments = parser.parse_args()
-    width, height = size_of(arguments.size)
-    keep_freed_memory()
-    config = load_config(arguments.config)
-    network = load_network(arguments.weights, config)
-    if not is_quantised(network):
-        raise errors.TrainingError(errors.CONFIGURATION, arguments.weights, "was trained in floats to the end: it has no integers.")
-    out = pathlib.Path(arguments.out)
-    out.mkdir(parents=True, exist_ok=True)
-    inputs = example_window(config, width, height)
-    tensors = IntegerModel(network)(**{name: tensor[0].numpy() for name, tensor in inputs.items()})
+def _export_onnx(network, integers, inputs, out):
+    """Names of the files written."""
+    tensors = integers(**{name: tensor[0].numpy() for name, tensor in inputs.items()})
     arrays = {f"in_{name}": tensor.numpy() for name, tensor in inputs.items()} | tensors
     set_rounding(network, False)
     own = write_onnx(network, inputs, out / "float.onnx")
@@ -181,7 +167,35 @@ def main():
     arrays |= {f"qdq_{name}": array for name, array in own.items()}
     weights_as_bytes(out / "qdq.onnx", layers)
     write_vectors(arrays, out)
-    for name in ("float.onnx", "qdq.onnx", "vectors.bin", "vectors.json"):
+    return ["float.onnx", "qdq.onnx", "vectors.bin", "vectors.json"]
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="egofocus_training.export", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--config", required=True)
+    parser.add_argument("--weights", required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--size", default="346x260", help="the working grid, WIDTHxHEIGHT in px")
+    parser.add_argument("--name", help="of the model file (default: the weights' folder)")
+    parser.add_argument("--efm-only", action="store_true", help="write NAME.efm alone")
+    arguments = parser.parse_args()
+    width, height = size_of(arguments.size)
+    keep_freed_memory()
+    config = load_config(arguments.config)
+    network = load_network(arguments.weights, config)
+    if not is_quantised(network):
+        raise errors.TrainingError(errors.CONFIGURATION, arguments.weights, "was trained in floats to the end: it has no integers.")
+    out = pathlib.Path(arguments.out)
+    out.mkdir(parents=True, exist_ok=True)
+    integers = IntegerModel(network)
+    name = arguments.name or pathlib.Path(arguments.weights).resolve().parent.name
+    card = efm.card_of(name, config, checkpoint.read(arguments.weights))
+    written = [f"{name}.efm"]
+    efm.write_model(out / written[0], efm.model_bytes(integers, config, card))
+    if not arguments.efm_only:
+        written += _export_onnx(network, integers, example_window(config, width, height), out)
+    for name in written:
         print(f"{out / name}  {(out / name).stat().st_size / 1024:.0f} KiB")
     return 0
 

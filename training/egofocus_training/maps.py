@@ -16,7 +16,7 @@ from .evaluate import load_network, predicted_index
 from .integer_model import IntegerModel
 from .journal import Progress
 from .machine import keep_freed_memory
-from .metrics import enlarge
+from .metrics import enlarge_q8
 from .quantisation import is_quantised
 from .windows import ladder_of, network_inputs, recording_facts
 
@@ -93,7 +93,7 @@ def main():
         if model is None:
             return predicted_index(network, facts, config)
         width, height = facts["grid"][:2]
-        return enlarge(model(**network_inputs(facts))["index"] / 256.0, height, width)
+        return enlarge_q8(model(**network_inputs(facts))["index"], height, width) / 256.0
 
     for name in arguments.recordings:
         folder = pathlib.Path(name)

@@ -1,14 +1,16 @@
 """The exports: what is in the files, and that they are the network."""
 import json
+import struct
 import subprocess
 import sys
+import zlib
 
 import numpy as np
 import pytest
 import torch
 from test_integer_model import CONFIG, as_batch, quantised, random_inputs  # noqa: F401: a fixture
 
-from egofocus_training import checkpoint
+from egofocus_training import checkpoint, efm, integer_model
 from egofocus_training.export import prepare_qdq, weights_as_bytes, write_onnx
 from egofocus_training.integer_model import IntegerModel
 from egofocus_training.quantisation import set_rounding
@@ -61,6 +63,31 @@ def test_the_vectors_are_the_integer_models_own(folder, quantised):  # noqa: F81
         assert np.array_equal(vectors[name], tensor), name
     assert np.abs(vectors["float_index"][0] - tensors["index"] / 256).mean() < 0.5
     assert np.abs(vectors["qdq_index"][0] - tensors["index"] / 256).mean() < 0.05
+
+
+def test_the_model_file_is_the_integer_model(folder, quantised):  # noqa: F811
+    data = (folder / f"{folder.parent.name}.efm").read_bytes()
+    config, network = quantised
+    assert data == efm.model_bytes(IntegerModel(network), config, efm.card_of(folder.parent.name, config, {"step": 1}))
+    magic, version, total, crc, sections = struct.unpack_from("<8s4I", data)
+    assert (magic, version, total) == (b"\x89EFM\r\n\x1a\n", 1, len(data)) and crc == zlib.crc32(data[20:])
+    places = {kind: data[at:at + size] for kind, _, at, size in struct.iter_unpack("<4I", data[32:32 + 16 * sections])}
+    layers = list(struct.iter_unpack("<12I", places[3]))
+    expected = efm.layers(IntegerModel(network))
+    assert len(layers) == len(expected) > 20
+    for (_, outputs, inputs, side, stride, dilation, zero, weights, bias, scale, *_), (name, conv) in zip(layers, expected):
+        assert (outputs, inputs, side) == conv.weight.shape[:3] and (stride, dilation, zero) == (conv.stride, conv.dilation, conv.zero)
+        stored = np.frombuffer(data, np.int8, conv.weight.size, weights).reshape(outputs, side, side, inputs)
+        assert np.array_equal(stored.transpose(0, 3, 1, 2), conv.weight), name
+        assert np.array_equal(np.frombuffer(data, "<f4", outputs, scale), conv.scale), name
+        # With the zero point in the bias, zeros of padding and all, the sums are the same.
+        q = np.random.default_rng(1).integers(0, 128, (inputs, 5, 6))
+        plain = integer_model.IntegerConv(conv.weight, np.frombuffer(data, "<i4", outputs, bias), conv.scale, conv.stride, conv.dilation)
+        reach = side // 2 * dilation
+        padded = np.pad(q, ((0, 0), (reach, reach), (reach, reach)), constant_values=zero)
+        inside = plain.sums(padded)[:, reach // stride:, reach // stride:] if stride == 1 else None
+        if inside is not None:
+            assert np.array_equal(inside[:, :5, :6], conv.sums(q)), name
 
 
 def test_pairs_are_the_rounding(quantised, tmp_path):  # noqa: F811

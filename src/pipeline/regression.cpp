@@ -1,0 +1,61 @@
+#include "pipeline/regression.hpp"
+
+#include "core/elementary.hpp"
+#include "pipeline/sharpness.hpp"
+
+namespace egofocus {
+namespace {
+
+constexpr std::uint64_t kOnePixel = 8192;  // of an index in 1/256 times a displacement in 1/32 px
+
+}  // namespace
+
+// No entry comes nearer to a half than 1e-3: the exponential's last bits do not matter.
+Regression::Regression() noexcept {
+  for (std::int32_t n = 0; n < kEntries; ++n)
+    exponential_[n] = static_cast<std::uint16_t>(floor_of(65535.0 * exponential(-n / 32.0) + 0.5));
+}
+
+void Regression::row(const std::int16_t* head, const std::int16_t* own, const std::uint8_t* shift,
+                     std::int32_t width, std::int32_t hypotheses, std::int32_t used, std::uint16_t* index_q8,
+                     std::uint8_t* confidence) const noexcept {
+  for (std::int32_t x = 0; x < width; ++x, head += hypotheses, own += hypotheses) {
+    std::int32_t best = 0;
+    for (std::int32_t k = 1; k < used; ++k) {
+      if (head[k] + own[k] > head[best] + own[best]) best = k;
+    }
+    const std::int32_t most = head[best] + own[best];
+    std::uint32_t p[64];
+    std::uint32_t weight[64] = {};
+    std::uint32_t sum = 0;         // at most 64 * 65535
+    std::uint32_t all_weight = 0;  // below 2^31
+    for (std::int32_t k = 0; k < used; ++k) {
+      const std::int32_t below = most - head[k] - own[k];
+      p[k] = exponential_[below < kEntries ? below : kEntries - 1];
+      weight[k] = p[k] * static_cast<std::uint32_t>(8 * k + 1);
+      sum += p[k];
+      all_weight += weight[k];
+    }
+    // The weighted median. Its own weight is not 0: without it the sum would not have reached the half.
+    std::int32_t middle = 0;
+    std::uint32_t before = 0;
+    while (2 * (before + weight[middle]) < all_weight) before += weight[middle++];
+    const std::uint64_t rest = all_weight - 2 * before;
+    const auto share = static_cast<std::int32_t>((256 * rest + weight[middle]) / (2 * weight[middle]));
+    const std::int32_t unclamped = 256 * middle - 128 + share;
+    const std::int32_t last = 256 * (used - 1);
+    const auto index = static_cast<std::uint32_t>(unclamped < 0 ? 0 : (unclamped < last ? unclamped : last));
+    const auto nearest = static_cast<std::int32_t>((index + 128) >> 8);
+    std::uint64_t mass = 0;
+    for (std::int32_t k = nearest - 1; k <= nearest + 1; ++k) {
+      if (k >= 0 && k < used) mass += p[k];
+    }
+    // index < 2^14 and a shift below 2^6: with mass < 2^18 nothing passes 2^46.
+    const std::uint64_t moved = static_cast<std::uint64_t>(index) *
+                                static_cast<std::uint32_t>(shift[x] > kInputZero ? shift[x] - kInputZero : 0);
+    index_q8[x] = static_cast<std::uint16_t>(index);
+    confidence[x] = static_cast<std::uint8_t>(255 * mass * moved / (sum * (moved + kOnePixel)));
+  }
+}
+
+}  // namespace egofocus
