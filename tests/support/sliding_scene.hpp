@@ -36,6 +36,7 @@ class SlidingScene {
     config.ladder.span_px = 24;
     config.window.max_events = 4000;
     config.window.min_events = 100;
+    config.window.max_age_us = 200'000;
     config.motion.source = MotionSource::kPoses;
     config.rings = {1u << 14, 64, 64, 256};
     return config;
