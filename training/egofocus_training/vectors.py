@@ -1,4 +1,4 @@
-"""python3 -m egofocus_training.vectors --config FILE --weights FILE --out DIR [--size WxH] [--cases N]: what the library's network must say.
+"""python3 -m egofocus_training.vectors --config FILE --weights FILE --out DIR [--size WxH] [--cases N]: what the runtime must say.
 
 DIR/model.efm and DIR/cases.bin: inputs of N windows and every tensor of the integer model, for tests/pipeline/network_test.cpp. Without
 --config and --weights: a small network with random weights.
