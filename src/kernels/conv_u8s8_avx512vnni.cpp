@@ -21,21 +21,26 @@ void sums_of(const ConvBlock& block) noexcept {
     EGOFOCUS_UNROLL
     for (int p = 0; p < kPixels; ++p) acc[p][t] = _mm512_load_si512(block.bias + 16 * t);
   }
+  constexpr int kQuads = (kPixels + 3) / 4;
   const std::int64_t step = block.pixel_step;
   const std::int8_t* weights = block.weights;
   for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    const std::uint8_t* input = block.input + block.runs->offset[run];
-    const std::uint8_t* end = input + block.runs->channels;
-    for (; input != end; input += 4) {
+    // One pointer for four pixels: one for each would not fit the general registers.
+    const std::uint8_t* input[kQuads];
+    EGOFOCUS_UNROLL
+    for (int q = 0; q < kQuads; ++q) input[q] = block.input + block.runs->offset[run] + 4 * q * step;
+    for (std::int32_t i = 0; i < block.runs->channels; i += 4) {
       __m512i w[kTiles];
       EGOFOCUS_UNROLL
       for (int t = 0; t < kTiles; ++t) w[t] = _mm512_load_si512(weights + t * block.tile_stride);
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) {
-        const __m512i pixel = four_bytes(input + p * step);
+        const __m512i pixel = four_bytes(input[p / 4] + p % 4 * step);
         EGOFOCUS_UNROLL
         for (int t = 0; t < kTiles; ++t) acc[p][t] = _mm512_dpbusd_epi32(acc[p][t], pixel, w[t]);
       }
+      EGOFOCUS_UNROLL
+      for (int q = 0; q < kQuads; ++q) input[q] += 4;
       weights += 64;
     }
   }

@@ -53,6 +53,15 @@ void sums_of(const ConvBlock& block) noexcept {
 }
 
 inline void store_part(std::uint8_t* to, __m128i bytes, std::int32_t count) noexcept {
+  const std::int32_t first = _mm_cvtsi128_si32(bytes);
+  if (count == 4) {  // what the network's narrow layers have
+    __builtin_memcpy(to, &first, 4);
+    return;
+  }
+  if (count == 2) {
+    __builtin_memcpy(to, &first, 2);
+    return;
+  }
   alignas(16) std::uint8_t all[16];
   _mm_store_si128(reinterpret_cast<__m128i*>(all), bytes);
   for (std::int32_t i = 0; i < count; ++i) to[i] = all[i];

@@ -30,21 +30,26 @@ void sums_of(const ConvBlock& block) noexcept {
     EGOFOCUS_UNROLL
     for (int p = 0; p < kPixels; ++p) acc[p][t] = load(block.bias + 8 * t);
   }
+  constexpr int kQuads = (kPixels + 3) / 4;
   const std::int64_t step = block.pixel_step;
   const std::int8_t* weights = block.weights;
   for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    const std::uint8_t* input = block.input + block.runs->offset[run];
-    const std::uint8_t* end = input + block.runs->channels;
-    for (; input != end; input += 4) {
+    // One pointer for four pixels: one for each would not fit the general registers.
+    const std::uint8_t* input[kQuads];
+    EGOFOCUS_UNROLL
+    for (int q = 0; q < kQuads; ++q) input[q] = block.input + block.runs->offset[run] + 4 * q * step;
+    for (std::int32_t i = 0; i < block.runs->channels; i += 4) {
       __m256i w[kTiles];
       EGOFOCUS_UNROLL
       for (int t = 0; t < kTiles; ++t) w[t] = load(weights + t * block.tile_stride);
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) {
-        const __m256i pixel = four_bytes(input + p * step);
+        const __m256i pixel = four_bytes(input[p / 4] + p % 4 * step);
         EGOFOCUS_UNROLL
         for (int t = 0; t < kTiles; ++t) acc[p][t] = dot4(acc[p][t], pixel, w[t]);
       }
+      EGOFOCUS_UNROLL
+      for (int q = 0; q < kQuads; ++q) input[q] += 4;
       weights += 32;
     }
   }
@@ -57,6 +62,15 @@ void sums_of(const ConvBlock& block) noexcept {
 }
 
 inline void store_part(std::uint8_t* to, __m128i bytes, std::int32_t count) noexcept {
+  const std::int32_t first = _mm_cvtsi128_si32(bytes);
+  if (count == 4) {  // what the network's narrow layers have
+    __builtin_memcpy(to, &first, 4);
+    return;
+  }
+  if (count == 2) {
+    __builtin_memcpy(to, &first, 2);
+    return;
+  }
   alignas(16) std::uint8_t all[16];
   _mm_store_si128(reinterpret_cast<__m128i*>(all), bytes);
   for (std::int32_t i = 0; i < count; ++i) to[i] = all[i];
