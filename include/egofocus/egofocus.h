@@ -44,9 +44,9 @@ typedef enum egofocus_status_code {
   EGOFOCUS_UNSUPPORTED_FORMAT,
   EGOFOCUS_PARSE,
   EGOFOCUS_MISSING_SIGNAL,
-  EGOFOCUS_THREAD,    /* value = errno */
-  EGOFOCUS_IO,        /* value = errno */
-  EGOFOCUS_BAD_TICK,  /* value = the time asked for, bound = the one it passed */
+  EGOFOCUS_THREAD,   /* value = errno */
+  EGOFOCUS_IO,       /* value = errno */
+  EGOFOCUS_BAD_TICK, /* value = the time asked for, bound = the one it passed */
   EGOFOCUS_BAD_CARRY,
   EGOFOCUS_BAD_MODEL, /* value = place (byte), bound = what stands there */
   EGOFOCUS_UNSUPPORTED_MODEL,
