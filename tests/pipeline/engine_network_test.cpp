@@ -143,5 +143,5 @@ TEST_CASE("the arena's size with a network is what it is: growth has to be meant
   config.model = model.bytes();
   std::size_t bytes = 0;
   REQUIRE(Engine::required_arena(config, bytes).ok());
-  if (sizeof(void*) == 8) CHECK(bytes == 9302656u);
+  if (sizeof(void*) == 8) CHECK(bytes == 9932800u);
 }

@@ -36,7 +36,7 @@ class ModelMemory {
  public:
   explicit ModelMemory(const std::string& content)
       : blocks_((content.size() + 15) / 16), size_(content.size()) {
-    std::memcpy(blocks_.data(), content.data(), content.size());
+    if (!content.empty()) std::memcpy(blocks_.data(), content.data(), content.size());
   }
   [[nodiscard]] std::span<const std::byte> bytes() const {
     return {reinterpret_cast<const std::byte*>(blocks_.data()), size_};

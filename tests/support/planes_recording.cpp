@@ -19,6 +19,7 @@ void add_signal(CanMotionConfig& config, std::string_view message, std::string_v
 
 recording::CameraFile planes_camera(const PlaneSimulator& simulator) {
   recording::CameraFile file = simulator.camera();
+  file.config.window.max_age_us = 200000;  // shorter than a phase of the fixture
   file.can.dbc = "vehicle.dbc";
   CanMotionConfig& can = file.can.motion;
   can.group_window_us = 2000;
