@@ -212,7 +212,7 @@ def test_four_steps_are_two_and_two(folder, tmp_path):
     first.save(tmp_path)
     second, rest = trained(configured(folder, workers=1), 4, tmp_path / "checkpoint.pt")
     assert rest == terms[2:] and len({t["loss"] for t in terms}) == 4
-    assert set(terms[0]) == {"distribution", "index", "log_depth", "coarse", "loss"}
+    assert set(terms[0]) == {"distribution", "index", "log_depth", "refined", "coarse", "loss"}
     for name, tensor in whole.average.network.state_dict().items():
         assert torch.equal(tensor, second.average.network.state_dict()[name]), name
 
