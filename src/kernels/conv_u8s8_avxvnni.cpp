@@ -1,4 +1,4 @@
-#include "kernels/conv_u8s8_ymm.hpp"
+#include "kernels/conv_u8s8_ymm.inc"
 
 namespace egofocus {
 namespace {

@@ -1,4 +1,4 @@
-#include "kernels/conv_u8s8_neon_leave.hpp"
+#include "kernels/conv_u8s8_neon_leave.inc"
 
 namespace egofocus {
 namespace {
