@@ -161,7 +161,7 @@ step_fuzz() {
 }
 
 step_training() {
-  TARGETS="egofocus_stack test_window_stack" configure_and_build training
+  TARGETS="egofocus_stack test_window_stack test_network" configure_and_build training
   run_ctest training -L training
 }
 
