@@ -5,7 +5,8 @@
     expectation:  i = sum_k k p_k
 The weighted median is the index of least expected |d - g| / g: with d = 1 / i and g = 1 / k that is k |1 / i - 1 / k|, whose
 least sum is at the median of 1 / k under the weights k p_k. (An eighth, so that the sky has a say.) Between two depths it takes one of
-them, in doubt the nearer one; an expectation makes up a third. It has no useful gradient: cross entropy alone teaches p.
+them, in doubt the nearer one; an expectation makes up a third. It has no useful gradient: what teaches p
+stands in losses.py.
     confidence = P * m / (m + 1 px),   P = p summed over the three hypotheses around i,  m: parallax at i in px
 """
 import torch
