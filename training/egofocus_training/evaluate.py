@@ -105,6 +105,7 @@ def main():
     parser.add_argument("--config", required=True)
     parser.add_argument("--weights", help="weights.pt or checkpoint.pt; without it the classical backend alone")
     parser.add_argument("--samples", type=int, help="in place of the config's validation_samples")
+    parser.add_argument("--regression", choices=("median", "expectation"), help="in place of the config's, with the same weights")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     if arguments.samples is not None and arguments.samples < 1:
@@ -113,6 +114,8 @@ def main():
     config = load_config(arguments.config)
     samples = validation_samples(config, arguments.config, arguments.samples)
     network = load_network(arguments.weights, config) if arguments.weights else None
+    if network is not None and arguments.regression:
+        network.median = arguments.regression == "median"
     rows, without = evaluate(network, samples, config)
     if arguments.json:
         print(json.dumps({"rows": rows, "without_parallax": without}))

@@ -21,11 +21,11 @@ from . import checkpoint, efm, errors
 from .config import load_config
 from .evaluate import load_network
 from .integer_model import IntegerModel
-from .macs import example_input, size_of
+from .macs import size_of
 from .machine import keep_freed_memory
 from .model.bytes import Bytes, Conv, ConvBnRelu, rounded_weights
 from .quantisation import is_quantised, set_rounding
-from .units import ZERO
+from .vectors import random_window
 
 _OPSET = 13
 
@@ -120,16 +120,8 @@ def weights_as_bytes(path, layers):
     onnx.save(model, str(path))
 
 
-def example_window(config, width, height, seed=1):
-    """Inputs that look like a window's: noise about zero, counts of a few."""
-    random = np.random.default_rng(seed)
-    inputs = example_input(config, width, height)
-    for name in ("focus", "context"):
-        shape = inputs[name].shape
-        inputs[name] = torch.from_numpy(np.clip(np.rint(random.normal(ZERO, 10, shape)), 0, 127).astype(np.uint8))
-    inputs["context"][:, -2].clamp_(min=ZERO)
-    inputs["half"] = torch.from_numpy(random.poisson(1.0, inputs["half"].shape).astype(np.uint8))
-    return inputs
+def _batch_of(window):
+    return {name: torch.as_tensor(value)[None] for name, value in window.items()}
 
 
 def write_onnx(network, inputs, path):
@@ -194,7 +186,7 @@ def main():
     written = [f"{name}.efm"]
     efm.write_model(out / written[0], efm.model_bytes(integers, config, card))
     if not arguments.efm_only:
-        written += _export_onnx(network, integers, example_window(config, width, height), out)
+        written += _export_onnx(network, integers, _batch_of(random_window(config, 1, width, height, config.input.hypotheses)), out)
     for name in written:
         print(f"{out / name}  {(out / name).stat().st_size / 1024:.0f} KiB")
     return 0
