@@ -157,6 +157,15 @@ def test_targets_of_a_crop():
     assert inputs["focus"].shape[2:] == (12, 16) and inputs["half"].shape == (16, 24, 32)
 
 
+def test_borders_weigh_more_where_the_refinement_looks():
+    sample = sample_of(2.0, near=(20, 50, 1.1))
+    facts = stack_sample(sample, CONFIG, wanted_arrays())
+    plain, weighted = (training_targets(sample, facts, (0, 0, 0, 0), LossConfig(border=b), 16) for b in (0.0, 3.0))
+    more = weighted["weight_2"] / np.maximum(plain["weight_2"], 1e-9)
+    assert more[20, 10] == more[20, 24] == 4 and more[20, 17] == 1  # columns 20 and 50 of 96; between them the near wall
+    assert np.array_equal(plain["weight_4"], weighted["weight_4"])
+
+
 def test_what_cannot_be_stacked_says_why():
     sample = sample_of(2.0)
     with pytest.raises(stack.StackError, match="does not lie in the grid"):
