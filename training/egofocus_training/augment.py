@@ -4,6 +4,8 @@ import dataclasses
 import numpy as np
 
 _GYRO_NOISE_RAD_S = 0.005
+_LONGEST_US = 1_000_000  # a window's, in camera.toml
+_DIM_CELLS = (4, 5)  # of the field of light, rows and columns
 
 
 def flip_horizontal(sample):
@@ -54,6 +56,47 @@ def noisy_motion(sample, share, delay_us, random):
                                motion_t_us=(sample.motion_t_us + int(delay_us)).astype(np.int32))
 
 
+def slow_down(sample, factor):
+    """The same way at 1 / factor of the speed: all times are `factor` times as long. The light's noise is not: add_noise."""
+    def longer(t_us):
+        return np.rint(t_us * float(factor)).astype(np.int32)
+
+    return dataclasses.replace(sample, window_us=int(round(sample.window_us * factor)), t_us=longer(sample.t_us),
+                               motion_t_us=longer(sample.motion_t_us), velocity_m_s=sample.velocity_m_s / np.float32(factor),
+                               rate_rad_s=sample.rate_rad_s / np.float32(factor))
+
+
+def with_events(sample, t_us, x, y, polarity):
+    """The sample with more events, in the order of time."""
+    t_us = np.concatenate([sample.t_us, t_us.astype(np.int32)])
+    order = np.argsort(t_us, kind="stable")
+    return dataclasses.replace(
+        sample, t_us=t_us[order], x=np.concatenate([sample.x, x.astype(np.uint16)])[order],
+        y=np.concatenate([sample.y, y.astype(np.uint16)])[order],
+        polarity=np.concatenate([sample.polarity, polarity.astype(np.uint8)])[order])
+
+
+def add_noise(sample, rate_hz, random):
+    """Background activity: each pixel fires by itself so often, on or off."""
+    camera = sample.camera
+    count = random.poisson(rate_hz * camera.width * camera.height * sample.window_us * 1e-6)
+    return with_events(sample, random.integers(-sample.window_us, 1, count), random.integers(0, camera.width, count),
+                       random.integers(0, camera.height, count), random.integers(0, 2, count))
+
+
+def dim(sample, random):
+    """Leaves out events where a smooth random field is low: a night's unlit places."""
+    camera = sample.camera
+    cells = random.uniform(-1.0, 2.5, _DIM_CELLS)
+    rows, columns = (np.linspace(0, n - 1, size) for n, size in zip(_DIM_CELLS, (camera.height, camera.width)))
+    field = np.stack([np.interp(columns, np.arange(_DIM_CELLS[1]), row) for row in cells])
+    low = np.minimum(rows.astype(int), _DIM_CELLS[0] - 2)
+    share = (rows - low)[sample.y]
+    light = (1 - share) * field[low[sample.y], sample.x] + share * field[low[sample.y] + 1, sample.x]
+    keep = random.random(sample.t_us.size) < np.clip(light, 0.02, 1)
+    return dataclasses.replace(sample, t_us=sample.t_us[keep], x=sample.x[keep], y=sample.y[keep], polarity=sample.polarity[keep])
+
+
 def drop_events(sample, share, random):
     """Leaves out this share of the events."""
     keep = random.random(sample.t_us.size) >= share
@@ -70,12 +113,9 @@ def add_hot_pixels(sample, share, random):
     rates_hz = 20.0 * 50.0 ** random.random(count)
     events = random.poisson(rates_hz * sample.window_us * 1e-6)
     total = int(events.sum())
-    t_us = np.concatenate([sample.t_us, random.integers(-sample.window_us, 1, total).astype(np.int32)])
-    x = np.concatenate([sample.x, np.repeat(random.integers(0, camera.width, count), events).astype(np.uint16)])
-    y = np.concatenate([sample.y, np.repeat(random.integers(0, camera.height, count), events).astype(np.uint16)])
-    polarity = np.concatenate([sample.polarity, np.ones(total, np.uint8)])
-    order = np.argsort(t_us, kind="stable")
-    return dataclasses.replace(sample, t_us=t_us[order], x=x[order], y=y[order], polarity=polarity[order])
+    return with_events(sample, random.integers(-sample.window_us, 1, total),
+                       np.repeat(random.integers(0, camera.width, count), events),
+                       np.repeat(random.integers(0, camera.height, count), events), np.ones(total))
 
 
 def augment(sample, config, random, of_world):
@@ -86,9 +126,14 @@ def augment(sample, config, random, of_world):
         sample = flip_horizontal(sample)
     if of_world.random() < config.flip_vertical:
         sample = flip_vertical(sample)
+    if random.random() < config.slow:
+        sample = slow_down(sample, max(_LONGEST_US / max(sample.window_us, 1), 1.0) ** random.random())
+        sample = add_noise(sample, config.noise_hz * 0.02 ** random.random(), random)
     sample = noisy_motion(sample, config.velocity_noise * random.random(), 1000 * config.delay_ms * random.random(),
                           random)
-    if random.random() < 0.5:
+    if random.random() < config.dim:
+        sample = dim(sample, random)
+    elif random.random() < 0.5:
         sample = drop_events(sample, config.event_drop * random.random(), random)
     if random.random() < 0.3:
         sample = add_hot_pixels(sample, config.hot_pixels * random.random(), random)

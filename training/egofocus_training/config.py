@@ -67,6 +67,9 @@ class AugmentConfig:
     delay_ms: float = 10.0  # largest
     event_drop: float = 0.6  # largest share of events left out
     hot_pixels: float = 0.0005  # largest share of pixels
+    slow: float = 0.0  # probability of a slower motion, in a window of up to a second, with background activity
+    noise_hz: float = 1.0  # its largest rate, of each pixel
+    dim: float = 0.0  # probability of unlit places, instead of event_drop
     span: list = field(default_factory=lambda: [0.7, 1.0])  # the ladder's span is multiplied by this
 
 

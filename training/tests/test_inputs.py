@@ -7,7 +7,8 @@ import pytest
 import small_world
 from focus_reference import displacement_px, float_sharpness
 
-from egofocus_training.augment import add_hot_pixels, augment, drop_events, flip_horizontal, flip_vertical, noisy_motion
+from egofocus_training.augment import (add_hot_pixels, add_noise, augment, dim, drop_events, flip_horizontal, flip_vertical,
+                                       noisy_motion, slow_down)
 from egofocus_training.config import AugmentConfig, InputConfig, LossConfig
 from egofocus_training.focus_input import context_channels
 from egofocus_training.library import stack
@@ -88,8 +89,41 @@ def test_noise_keeps_the_speed_and_drops_are_counted():
     assert hot.t_us.size > sample.t_us.size and np.all(np.diff(hot.t_us) >= 0) and hot.x.max() < 96
 
 
+def test_a_slower_way_has_the_same_stack():
+    sample = sample_of(2.0)
+    slow = slow_down(sample, 4.0)
+    assert slow.window_us == 4 * sample.window_us and slow.velocity_m_s[0, 0] == sample.velocity_m_s[0, 0] / 4
+    facts, slow_facts = (stack_sample(s, CONFIG, ["counts"]) for s in (sample, slow))
+    assert slow_facts["begin_us"] == pytest.approx(4 * facts["begin_us"], abs=4)
+    assert slow_facts["step_per_m"] == pytest.approx(facts["step_per_m"], rel=1e-4)
+    a, b = (f["counts"].astype(int) for f in (facts, slow_facts))
+    assert a.sum() > 50_000 and np.abs(a - b).sum() < 1e-2 * a.sum()
+
+
+def test_background_activity_has_its_rate_everywhere():
+    sample = dataclasses.replace(sample_of(2.0), window_us=200_000)
+    noisy = add_noise(sample, 50.0, np.random.default_rng(1))
+    more = noisy.t_us.size - sample.t_us.size
+    pixels = sample.camera.width * sample.camera.height
+    assert more == pytest.approx(50.0 * 0.2 * pixels, rel=0.05)
+    assert np.all(np.diff(noisy.t_us) >= 0) and noisy.t_us.min() >= -200_000
+    before, after = (np.bincount(s.y.astype(int) * s.camera.width + s.x, minlength=pixels) for s in (sample, noisy))
+    assert np.mean(after > before) > 0.99
+    assert np.mean(noisy.polarity) == pytest.approx((sample.polarity.sum() + more / 2) / noisy.t_us.size, abs=0.02)
+
+
+def test_dim_places_are_large_and_nothing_is_added():
+    sample = add_noise(dataclasses.replace(sample_of(2.0), window_us=200_000), 500.0, np.random.default_rng(1))
+    left = dim(sample, np.random.default_rng(3))
+
+    def tiles(s):
+        return np.histogram2d(s.y, s.x, [4, 6], [[0, s.camera.height], [0, s.camera.width]])[0]
+    share = tiles(left) / tiles(sample)
+    assert share.min() < 0.1 and share.max() > 0.9 and np.all(np.diff(left.t_us) >= 0)
+
+
 def test_augmentation_depends_on_its_generators_alone():
-    config = AugmentConfig(crop=[48, 64])
+    config = AugmentConfig(crop=[48, 64], slow=0.5, dim=0.5)
     first, second = ([augment(sample_of(2.0), config, np.random.default_rng(s), np.random.default_rng(9)) for s in (3, 3, 4)]
                      for _ in range(2))
     assert np.array_equal(first[0][0].t_us, second[1][0].t_us) and first[0][1:] == second[1][1:]
