@@ -3,7 +3,7 @@ import dataclasses
 
 import numpy as np
 
-_GYRO_NOISE_RAD_S = 0.005
+_MOST_GYRO_ERROR_RAD_S = 0.012  # standard deviation: what a bias leaves that no standstill has shown yet
 _LONGEST_US = 1_000_000  # a window's, in camera.toml
 _DIM_CELLS = (4, 5)  # of the field of light, rows and columns
 
@@ -49,7 +49,8 @@ def noisy_motion(sample, share, delay_us, random):
 
     speed, turn = norm(sample.velocity_m_s), norm(sample.rate_rad_s)
     velocity = sample.velocity_m_s + share * speed / np.sqrt(3) * random.standard_normal(3)
-    rate = sample.rate_rad_s + (share * turn / np.sqrt(3) + _GYRO_NOISE_RAD_S * (share > 0)) * random.standard_normal(3)
+    gyro = _MOST_GYRO_ERROR_RAD_S * random.random() * (share > 0)
+    rate = sample.rate_rad_s + (share * turn / np.sqrt(3) + gyro) * random.standard_normal(3)
     if speed > 0:
         velocity *= speed / max(norm(velocity), 1e-9)
     return dataclasses.replace(sample, velocity_m_s=velocity.astype(np.float32), rate_rad_s=rate.astype(np.float32),
