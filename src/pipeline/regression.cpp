@@ -1,12 +1,13 @@
 #include "pipeline/regression.hpp"
 
 #include "core/elementary.hpp"
+#include "pipeline/fixed_point.hpp"
 #include "pipeline/sharpness.hpp"
 
 namespace egofocus {
 namespace {
 
-constexpr std::uint64_t kOnePixel = 8192;  // of an index in 1/256 times a displacement in 1/32 px
+constexpr std::uint32_t kOnePixel = 8192;  // of an index in 1/256 times a displacement in 1/32 px
 
 }  // namespace
 
@@ -45,16 +46,15 @@ void Regression::row(const std::int16_t* head, const std::int16_t* own, const st
     const std::int32_t unclamped = 256 * middle - 128 + share;
     const std::int32_t last = 256 * (used - 1);
     const auto index = static_cast<std::uint32_t>(unclamped < 0 ? 0 : (unclamped < last ? unclamped : last));
-    const auto nearest = static_cast<std::int32_t>((index + 128) >> 8);
-    std::uint64_t mass = 0;
-    for (std::int32_t k = nearest - 1; k <= nearest + 1; ++k) {
-      if (k >= 0 && k < used) mass += p[k];
+    std::uint64_t squares = 0;  // at most 64 * 2^16 * 2^28
+    for (std::int32_t k = 0; k < used; ++k) {
+      const auto off = static_cast<std::int64_t>(256 * k) - static_cast<std::int64_t>(index);
+      squares += p[k] * static_cast<std::uint64_t>(off * off);
     }
-    // index < 2^14 and a shift below 2^6: with mass < 2^18 nothing passes 2^46.
-    const std::uint64_t moved = static_cast<std::uint64_t>(index) *
-                                static_cast<std::uint32_t>(shift[x] > kInputZero ? shift[x] - kInputZero : 0);
+    const std::uint32_t spread = floor_square_root_u32(static_cast<std::uint32_t>(squares / sum));
+    const std::uint32_t step = shift[x] > kInputZero ? shift[x] - kInputZero : 0u;  // below 2^6
     index_q8[x] = static_cast<std::uint16_t>(index);
-    confidence[x] = static_cast<std::uint8_t>(255 * mass * moved / (sum * (moved + kOnePixel)));
+    confidence[x] = static_cast<std::uint8_t>(255 * index * step / ((index + spread) * step + kOnePixel));
   }
 }
 

@@ -140,21 +140,16 @@ class IntegerModel:
     def _regression(scores, used, step_bytes):
         below = scores[:used].max(0) - scores[:used]
         p = EXP[np.minimum(below, len(EXP) - 1)]
-        total = p.sum(0)
         weight = p * (8 * np.arange(used)[:, None, None] + 1)
         below = weight.cumsum(0)
         best = (2 * below < below[-1]).sum(0)
         own = np.take_along_axis(weight, best[None], 0)[0]
         rest = below[-1] - 2 * (np.take_along_axis(below, best[None], 0)[0] - own)
         index = np.clip(256 * best - 128 + (256 * rest + own) // (2 * own), 0, 256 * (used - 1))
-        nearest = (index + 128) >> 8
-        mass = np.zeros_like(total)
-        for offset in (-1, 0, 1):
-            k = nearest + offset
-            here = np.take_along_axis(p, np.clip(k, 0, used - 1)[None], 0)[0]
-            mass += here * ((k >= 0) & (k < used))
-        moved = index * np.maximum(step_bytes.astype(np.int64) - ZERO, 0)
-        trust = (255 * mass * moved) // (total * (moved + ONE_PX))
+        variance = (p * (256 * np.arange(used)[:, None, None] - index) ** 2).sum(0) // p.sum(0)
+        spread = np.sqrt(variance.astype(np.float64)).astype(np.int64)  # below 2^28: the root of a square is exact
+        step = np.maximum(step_bytes.astype(np.int64) - ZERO, 0)
+        trust = 255 * index * step // ((index + spread) * step + ONE_PX)
         return index.astype(np.int64), trust.astype(np.uint8)
 
     def _refinement(self, index_4, b4, half, used, out):

@@ -3,9 +3,8 @@ confidence know where the depth is wrong?
 
 Pixels are removed from the least trusted up, 0 to 95 % in steps of 5 % (among equals: the expectation over all orders), and the
 error of the rest is drawn over the share removed: by
-    confidence  the network's own: P m / (m + 1 px), m the parallax of the estimate
-    spread      m / (m + s + 1 px), s the softmax's standard deviation, as a parallax
-    parallax    m alone
+    confidence  the network's own
+    parallax    that of the estimate alone
     entropy     of the softmax alone, the smaller the better
     oracle      removes the worst pixels first
 AUSE: area between a curve and the oracle's. Curves are means over validation windows, as in `egofocus eval`.
@@ -28,7 +27,7 @@ from .windows import network_inputs, sample_facts
 
 STEPS = 20  # shares removed: k / STEPS
 METRICS = ("abs_rel", "rmse_log")
-WAYS = ("confidence", "spread", "parallax", "entropy", "oracle")
+WAYS = ("confidence", "parallax", "entropy", "oracle")
 
 
 def curve(values, trust):
@@ -62,10 +61,7 @@ def trusts_of(network, facts, config):
     prediction = network(inputs)
     p = distribution(prediction.scores, inputs["used"])
     index, step_px = prediction.index_4, prediction.step_px
-    k = torch.arange(p.shape[1])[None, :, None, None]
-    spread = torch.sqrt((p * (k - index[:, None]) ** 2).sum(1))
-    moved = index * step_px
-    trusts = {"confidence": prediction.confidence, "spread": moved / (moved + spread * step_px + 1), "parallax": moved,
+    trusts = {"confidence": prediction.confidence, "parallax": index * step_px,
               "entropy": (p * torch.log(p.clamp(min=1e-12))).sum(1)}
     width, height = facts["grid"][:2]
 

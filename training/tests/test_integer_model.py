@@ -128,9 +128,9 @@ def test_regression_by_hand():
     w = p * [1, 9, 17]
     median = 1.5 + (w.sum() / 2 - w[0] - w[1]) / w[2]
     assert abs(index[0, 0] - 256 * median) <= 0.51
-    moved = median * 1.0  # 32 bytes above zero: 1 px a hypothesis
-    near = p[1:].sum() / p.sum()  # hypotheses 1, 2 and no third
-    assert abs(trust[0, 0] - 255 * near * moved / (moved + 1)) <= 1.1
+    spread = np.sqrt((p * (np.arange(3) - median) ** 2).sum() / p.sum())
+    # 32 bytes above zero: 1 px a hypothesis
+    assert abs(trust[0, 0] - 255 * median / (median + spread + 1)) <= 1.1
     assert IntegerModel._regression(scores, 3, np.full((1, 1), ZERO))[1][0, 0] == 0
 
 

@@ -110,13 +110,13 @@ def test_distribution_and_index():
     assert median_index(p, torch.tensor([3])).item() == pytest.approx(1.5 + 33 / 85)
 
 
-def test_confidence_is_mass_times_parallax():
+def test_confidence_is_parallax_over_spread():
     p = torch.tensor([0.1, 0.2, 0.4, 0.2, 0.1]).reshape(1, 5, 1, 1)
     index = torch.full((1, 1, 1), 2.0)
-    assert confidence(p, index, torch.full((1, 1, 1), 1.5)).item() == pytest.approx(0.8 * 3 / 4)
+    assert confidence(p, index, torch.full((1, 1, 1), 1.5)).item() == pytest.approx(3 / (3 + 1.5 * 1.2 ** 0.5 + 1))
     assert confidence(p, index, torch.zeros(1, 1, 1)).item() == 0  # nothing moves here
     at_end = confidence(p, torch.full((1, 1, 1), 4.0), torch.full((1, 1, 1), 1.0)).item()
-    assert at_end == pytest.approx(0.3 * 4 / 5)
+    assert at_end == pytest.approx(4 / (4 + 5.2 ** 0.5 + 1))
 
 
 def test_gathering_around_the_prediction():

@@ -7,7 +7,7 @@ The weighted median is the index of least expected |d - g| / g: with d = 1 / i a
 least sum is at the median of 1 / k under the weights k p_k. (An eighth, so that the sky has a say.) Between two depths it takes one of
 them, in doubt the nearer one; an expectation makes up a third. It has no useful gradient: what teaches p
 stands in losses.py.
-    confidence = P * m / (m + 1 px),   P = p summed over the three hypotheses around i,  m: parallax at i in px
+    confidence = m / (m + s + 1 px),   m: parallax at i in px,  s: the spread of p about i, as a parallax
 """
 import torch
 
@@ -45,8 +45,5 @@ def median_index(p, used):
 
 def confidence(p, index, step_px):
     """[B, h, w] in 0..1. step_px [B, h, w]: what one hypothesis moves."""
-    nearest = (index + 0.5).floor().long().clamp(0, p.shape[1] - 1)
-    mass = sum(p.gather(1, (nearest + d).clamp(0, p.shape[1] - 1)[:, None])[:, 0] * ((nearest + d >= 0) & (nearest + d < p.shape[1]))
-               for d in (-1, 0, 1))
-    moved = index * step_px
-    return mass * moved / (moved + _HALF_TRUST_PX)
+    spread = torch.sqrt((p * (_hypotheses_like(p) - index[:, None]) ** 2).sum(1))
+    return index * step_px / ((index + spread) * step_px + _HALF_TRUST_PX)
