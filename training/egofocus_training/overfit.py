@@ -22,7 +22,7 @@ def overfit(config, samples, steps):
     augment = config.augment
     augment.crop, augment.span = [], [1.0, 1.0]
     augment.flip_horizontal = augment.flip_vertical = augment.event_drop = augment.hot_pixels = 0.0
-    augment.velocity_noise = augment.delay_ms = 0.0
+    augment.velocity_noise = augment.delay_ms = augment.slow = augment.dim = 0.0
     config.data.limit = samples
     config.train.steps, config.train.warmup_steps = steps, max(steps // 20, 1)
     config.train.workers = 0  # a worker would end with each short epoch, and its tables of rays with it
