@@ -68,13 +68,12 @@ Compared compare(const ConvLayer& layer, const Tier& tier, int rounds, std::mt19
   if (!agree(load.outputs(), peer.outputs()))
     throw std::runtime_error(std::string(layer.name) + ": the two do not compute the same");
   const int repeats = 1 + static_cast<int>(1e8 / load.multiplications());
-  alignas(64) std::int32_t sink[16];
   constexpr std::int32_t kPeakRounds = 20000;
   const Rounds taken = take_turns({{[&] { kernel.run(load.conv()); }, repeats},
                                    {[&] { peer.run(); }, repeats},
-                                   {[&] { tier.peak(kPeakRounds, sink); }, 1}},
+                                   {[&] { tier.peak(kPeakRounds); }, 1}},
                                   rounds, random);
-  return {&layer, load.multiplications(), static_cast<double>(tier.peak(kPeakRounds, sink)),
+  return {&layer, load.multiplications(), static_cast<double>(tier.peak(kPeakRounds)),
           peer.implementation(), medians_of(taken, random)};
 }
 

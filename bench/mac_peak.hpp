@@ -6,8 +6,8 @@
 
 namespace egofocus::bench {
 
-/// Returns the multiply-adds done. `sink`, 64 bytes, keeps the sums alive.
-using MacPeakFunction = std::int64_t(std::int32_t rounds, std::int32_t* sink);
+/// Returns the multiply-adds done.
+using MacPeakFunction = std::int64_t(std::int32_t rounds);
 extern "C" MacPeakFunction mac_peak_sse41, mac_peak_avx2, mac_peak_avxvnni, mac_peak_avx512vnni;
 
 }  // namespace egofocus::bench

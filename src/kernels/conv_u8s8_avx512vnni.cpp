@@ -51,29 +51,74 @@ void sums_of(const ConvBlock& block) noexcept {
   }
 }
 
+/// Four registers of s32 -> s8 (saturating), one register's after the other's.
+inline __m512i as_bytes(__m512i a, __m512i b, __m512i c, __m512i d) noexcept {
+  const __m512i mixed = _mm512_packs_epi16(_mm512_packs_epi32(a, b), _mm512_packs_epi32(c, d));
+  return _mm512_permutexvar_epi32(_mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15),
+                                  mixed);
+}
+
+inline __mmask64 first_bytes(std::int32_t count) noexcept {
+  return count >= 64 ? ~__mmask64{0} : (__mmask64{1} << count) - 1;
+}
+
+/// Of one pixel. An addend is at most 127: adding it to what has been cut to s8 gives the same.
 template <ConvEpilogue kEpilogue>
-void leave_as(const ConvLeaving& leaving) noexcept {
-  const __m512i most = _mm512_set1_epi32(127);
-  const __m512i least = kEpilogue == ConvEpilogue::kSmall ? _mm512_set1_epi32(-128) : _mm512_setzero_si512();
+inline void store_bytes(__m512i bytes, __mmask64 valid, const std::uint8_t* addend,
+                        std::uint8_t* out) noexcept {
+  if constexpr (kEpilogue == ConvEpilogue::kAdd)
+    bytes = _mm512_adds_epi8(bytes, _mm512_maskz_loadu_epi8(valid, addend));
+  if constexpr (kEpilogue != ConvEpilogue::kSmall) bytes = _mm512_max_epi8(bytes, _mm512_setzero_si512());
+  _mm512_mask_storeu_epi8(out, valid, bytes);
+}
+
+/// At most four tiles of each pixel, from output `first` on.
+template <ConvEpilogue kEpilogue, int kTiles>
+void leave_tiles(const ConvLeaving& leaving, std::int32_t first) noexcept {
+  const __mmask64 valid = first_bytes(leaving.outputs - first) & first_bytes(16 * kTiles);
+  __m512 scale[kTiles];
+  for (int t = 0; t < kTiles; ++t) scale[t] = _mm512_load_ps(leaving.scale + first + 16 * t);
+  const std::int32_t* sums = leaving.sums + first;
+  const std::uint8_t* addend = leaving.addend + first;
+  std::uint8_t* out = leaving.output + first;
+  for (std::int32_t p = 0; p < leaving.pixels; ++p) {
+    __m512i r[kTiles];
+    for (int t = 0; t < kTiles; ++t) r[t] = requant_s32_avx512(_mm512_load_si512(sums + 16 * t), scale[t]);
+    const __m512i bytes = as_bytes(r[0], r[kTiles > 1 ? 1 : 0], r[kTiles > 2 ? 2 : 0], r[kTiles > 3 ? 3 : 0]);
+    store_bytes<kEpilogue>(bytes, valid, addend, out);
+    sums += leaving.row;
+    out += leaving.output_step;
+    if constexpr (kEpilogue == ConvEpilogue::kAdd) addend += leaving.addend_step;
+  }
+}
+
+void leave_scores(const ConvLeaving& leaving) noexcept {
   for (std::int32_t o = 0; o < leaving.outputs; o += 16) {
-    const std::int32_t left = leaving.outputs - o;
-    const __mmask16 valid = static_cast<__mmask16>(left >= 16 ? 0xffff : (1 << left) - 1);
+    const __mmask16 valid = static_cast<__mmask16>(first_bytes(leaving.outputs - o));
     const __m512 scale = _mm512_load_ps(leaving.scale + o);
     for (std::int32_t p = 0; p < leaving.pixels; ++p) {
       const __m512i acc = _mm512_load_si512(leaving.sums + p * leaving.row + o);
-      std::uint8_t* out = leaving.output + p * leaving.output_step;
-      if constexpr (kEpilogue == ConvEpilogue::kScore) {
-        _mm256_mask_storeu_epi16(out + 2 * o, valid, requant_s16_avx512(acc, scale));
-      } else {
-        __m512i r = requant_s32_avx512(acc, scale);
-        if constexpr (kEpilogue == ConvEpilogue::kAdd) {
-          const std::uint8_t* from = leaving.addend + p * leaving.addend_step + o;
-          r = _mm512_add_epi32(r, _mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(valid, from)));
-        }
-        r = _mm512_min_epi32(_mm512_max_epi32(r, least), most);
-        _mm_mask_storeu_epi8(out + o, valid, _mm512_cvtepi32_epi8(r));
-      }
+      _mm256_mask_storeu_epi16(leaving.output + p * leaving.output_step + 2 * o, valid,
+                               requant_s16_avx512(acc, scale));
     }
+  }
+}
+
+template <ConvEpilogue kEpilogue>
+void leave_as(const ConvLeaving& leaving) noexcept {
+  if constexpr (kEpilogue == ConvEpilogue::kScore) return leave_scores(leaving);
+  switch (leaving.row / 16) {
+    case 1:
+      return leave_tiles<kEpilogue, 1>(leaving, 0);
+    case 2:
+      return leave_tiles<kEpilogue, 2>(leaving, 0);
+    case 3:
+      return leave_tiles<kEpilogue, 3>(leaving, 0);
+    case 5:
+      leave_tiles<kEpilogue, 1>(leaving, 64);
+      [[fallthrough]];
+    default:
+      return leave_tiles<kEpilogue, 4>(leaving, 0);
   }
 }
 
