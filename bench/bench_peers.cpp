@@ -73,8 +73,8 @@ Compared compare(const ConvLayer& layer, const Tier& tier, int rounds, std::mt19
                                    {[&] { peer.run(); }, repeats},
                                    {[&] { tier.peak(kPeakRounds); }, 1}},
                                   rounds, random);
-  return {&layer, load.multiplications(), static_cast<double>(tier.peak(kPeakRounds)),
-          peer.implementation(), medians_of(taken, random)};
+  return {&layer, load.multiplications(), static_cast<double>(tier.peak(kPeakRounds)), peer.implementation(),
+          medians_of(taken, random)};
 }
 
 template <class Chosen>
