@@ -1,7 +1,7 @@
 #include <immintrin.h>
 
 #include "kernels/conv_u8s8_blocks.hpp"
-#include "kernels/conv_u8s8_few.hpp"
+#include "kernels/conv_u8s8_few_avx512vnni.hpp"
 #include "kernels/requant.hpp"
 
 namespace egofocus {
@@ -172,8 +172,7 @@ constexpr ConvBody kBody{kConvPacking_avx512vnni,
 }  // namespace
 
 void conv_u8s8_avx512vnni(const ConvU8S8& conv) noexcept {
-  if (conv_has_few(conv)) return conv_u8s8_few_avx512vnni(conv);
-  conv_by_blocks(conv, kBody);
+  if (!conv_u8s8_few_avx512vnni(conv)) conv_by_blocks(conv, kBody);
 }
 
 }  // namespace egofocus
