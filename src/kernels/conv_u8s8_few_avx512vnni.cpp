@@ -8,6 +8,7 @@ namespace {
 
 using Wide = __m512i;
 constexpr int kWideSums = 16;  // of 32 registers; the inputs of as many pixels, a weight
+constexpr int kWidePass = 8;   // outputs at a time
 
 inline Wide wide_load(const void* from) noexcept {
   return _mm512_loadu_si512(from);

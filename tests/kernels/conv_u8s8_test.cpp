@@ -60,6 +60,17 @@ std::vector<ConvCaseShape> shapes() {
     all.push_back({8, o, 3, 1, 1, 37, 3, ConvEpilogue::kAdd, 1, 0, 0, 0, 2, true});
     all.push_back({48, o, 3, 1, 1, 11, 2, ConvEpilogue::kAdd, 0, 0, 16, 7, 0, true});
   }
+  // Few outputs: what a body may do differently then, around the widths of its registers.
+  for (std::int32_t o : {1, 4, 8}) {
+    for (std::int32_t i : {4, 8, 16, 32, 48}) {
+      for (ConvEpilogue each : {ConvEpilogue::kRelu, ConvEpilogue::kSmall, ConvEpilogue::kScore}) {
+        for (std::int32_t columns : {7, 8, 9, 15, 16, 17, 24, 33, 40, 65})
+          all.push_back({i, o, 3, 1, 1 + columns % 2, columns, 2, each, 0, 0, columns % 3 == 0 ? 16 : 0,
+                         columns % 4 == 0 ? 3 : 0, columns % 5});
+        all.push_back({i, o, 1, 1, 1, 70, 1, each, 1});
+      }
+    }
+  }
   all.push_back({144, 48, 1, 1, 1, 21, 2, ConvEpilogue::kRelu, 0, 5});
   all.push_back({4, 4, 3, 1, 1, 33, 2, ConvEpilogue::kRelu, 0, 0, 0, 140});  // into another tensor's channels
   all.push_back({4, 1, 1, 1, 1, 33, 2, ConvEpilogue::kScore, 0, 0, 140, 31});
