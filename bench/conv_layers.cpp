@@ -45,6 +45,8 @@ ConvLoad::ConvLoad(const ConvLayer& layer, const ConvPacking& packing) {
       inside[y * conv_.input_row_stride + b] = static_cast<std::uint8_t>(below(128));
   }
   conv_.input = inside;
+  conv_.zeros_beyond = layer.zeros_beyond;
+  conv_.input_rows = input_rows();
 
   const std::int32_t element = layer.epilogue == ConvEpilogue::kScore ? 2 : 1;
   const std::int32_t pixel = layer.output_pixel != 0 ? layer.output_pixel : layer.out_channels * element;

@@ -20,10 +20,11 @@ struct ConvLayer {
   ConvEpilogue epilogue;
   std::int32_t times;             ///< in one tick of `base`
   std::int32_t output_pixel = 0;  ///< bytes, where the output is a part of another tensor's channels
+  bool zeros_beyond = true;       ///< the border's byte is zero
 };
 
 inline constexpr ConvLayer kConvLayers[] = {
-    {"focus_3x3_8_8", 8, 8, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32},
+    {"focus_3x3_8_8", 8, 8, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32, 0, false},
     {"focus_3x3_8_4", 8, 4, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32, 144},
     {"mix_1x1_144_48", 144, 48, 1, 1, 1, 65, 87, ConvEpilogue::kRelu, 1},
     {"block4_3x3_48_48", 48, 48, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 2},
