@@ -41,6 +41,11 @@ ROWS
     aarch64) echo "g++-aarch64-linux-gnu aarch64-linux-gnu-g++" ;;
     armv7) echo "g++-arm-linux-gnueabihf arm-linux-gnueabihf-g++" ;;
     install) echo "pkg-config pkg-config" ;;
+    bench) cat <<'ROWS'
+libbenchmark-dev /usr/include/benchmark/benchmark.h,/usr/local/include/benchmark/benchmark.h
+libdnnl-dev /usr/include/dnnl.hpp,/usr/local/include/dnnl.hpp
+ROWS
+      ;;
     training) cat <<'ROWS'
 pybind11-dev /usr/include/pybind11/pybind11.h,/usr/local/include/pybind11/pybind11.h
 python3-dev /usr/include/python3*/Python.h

@@ -20,22 +20,26 @@ struct ConvLayer {
   ConvEpilogue epilogue;
   std::int32_t times;             ///< in one tick of `base`
   std::int32_t output_pixel = 0;  ///< bytes, where the output is a part of another tensor's channels
+  bool zeros_beyond = true;       ///< the border's byte is zero
 };
 
 inline constexpr ConvLayer kConvLayers[] = {
-    {"focus_3x3_8_8", 8, 8, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32},
+    {"focus_3x3_8_8", 8, 8, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32, 0, false},
     {"focus_3x3_8_4", 8, 4, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32, 144},
     {"mix_1x1_144_48", 144, 48, 1, 1, 1, 65, 87, ConvEpilogue::kRelu, 1},
     {"block4_3x3_48_48", 48, 48, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 2},
     {"block4_add_3x3_48_48", 48, 48, 3, 1, 1, 65, 87, ConvEpilogue::kAdd, 2},
     {"down_3x3s2_48_80", 48, 80, 3, 2, 1, 33, 44, ConvEpilogue::kRelu, 1},
-    {"block8_3x3_80_80", 80, 80, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 4},
+    {"block8_3x3_80_80", 80, 80, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 2},
+    {"block8_add_3x3_80_80", 80, 80, 3, 1, 1, 33, 44, ConvEpilogue::kAdd, 2},
     {"down_3x3s2_80_128", 80, 128, 3, 2, 1, 17, 22, ConvEpilogue::kRelu, 1},
-    {"block16_3x3_128_128", 128, 128, 3, 1, 1, 17, 22, ConvEpilogue::kRelu, 6},
+    {"block16_3x3_128_128", 128, 128, 3, 1, 1, 17, 22, ConvEpilogue::kRelu, 3},
+    {"block16_add_3x3_128_128", 128, 128, 3, 1, 1, 17, 22, ConvEpilogue::kAdd, 3},
     {"up_1x1_128_80", 128, 80, 1, 1, 1, 17, 22, ConvEpilogue::kSmall, 1},
     {"up_1x1_80_48", 80, 48, 1, 1, 1, 33, 44, ConvEpilogue::kSmall, 1},
     {"score_1x1_48_32", 48, 32, 1, 1, 1, 65, 87, ConvEpilogue::kScore, 1},
     {"score_1x1_4_1", 4, 1, 1, 1, 1, 5655, 32, ConvEpilogue::kScore, 1},
+    {"guide_1x1_48_4", 48, 4, 1, 1, 1, 65, 87, ConvEpilogue::kRelu, 1},
     {"refine_3x3_8_16", 8, 16, 3, 1, 1, 130, 173, ConvEpilogue::kRelu, 1},
     {"refine_3x3_16_16", 16, 16, 3, 1, 1, 130, 173, ConvEpilogue::kRelu, 1},
     {"refine_3x3d2_16_16", 16, 16, 3, 1, 2, 130, 173, ConvEpilogue::kRelu, 1},
@@ -43,16 +47,26 @@ inline constexpr ConvLayer kConvLayers[] = {
     {"refine_3x3_16_1", 16, 1, 3, 1, 1, 130, 173, ConvEpilogue::kScore, 1},
 };
 
-/// One layer with random operands, packed for one variant.
+/// One layer with random operands and a border of zeros, packed for one variant.
 class ConvLoad {
  public:
   ConvLoad(const ConvLayer& layer, const ConvPacking& packing);
   const ConvU8S8& conv() const { return conv_; }
+  const ConvWeights& given() const { return given_; }
+  /// Of the input's interior, without the border.
+  std::int32_t input_columns() const { return (conv_.columns - 1) * conv_.stride + 1; }
+  std::int32_t input_rows() const { return (conv_.rows - 1) * conv_.stride + 1; }
   double multiplications() const;
+  /// What a run left: [rows][columns][out_channels].
+  std::vector<std::int32_t> outputs() const;
 
  private:
   ConvU8S8 conv_;
+  ConvWeights given_;
   std::vector<std::uint8_t> input_, addend_, output_;
+  std::vector<std::int8_t> weights_;
+  std::vector<std::int32_t> bias_;
+  std::vector<float> scale_;
   std::vector<std::int64_t> packed_;
 };
 

@@ -50,9 +50,11 @@ struct ConvU8S8 {
   std::int32_t stride = 1;
   std::int32_t dilation = 1;
   ConvEpilogue epilogue = ConvEpilogue::kRelu;
+  bool zeros_beyond = false;   ///< all that is read above row 0 and from input_rows on: a body may skip it
   std::int32_t columns = 0;    ///< of the output
   std::int32_t first_row = 0;  ///< of the output; a share of the rows for one of several threads
   std::int32_t rows = 0;
+  std::int32_t input_rows = 0;  ///< with zeros_beyond only
 };
 
 /// Thread: any; calls that write different rows may run at once. RT: yes, O(rows * columns * out_channels *

@@ -1,4 +1,6 @@
 #include "kernels/conv_u8s8_ymm.inc"
+// after it
+#include "kernels/conv_u8s8_few_ymm.inc"
 
 namespace egofocus {
 namespace {
@@ -15,7 +17,7 @@ constexpr ConvBody kBody{kConvPacking_avx2, 8, 2, {widths<8, 1>(), widths<5, 2>(
 }  // namespace
 
 void conv_u8s8_avx2(const ConvU8S8& conv) noexcept {
-  conv_by_blocks(conv, kBody);
+  if (!conv_by_few(conv, kConvPacking_avx2)) conv_by_blocks(conv, kBody);
 }
 
 }  // namespace egofocus

@@ -1,7 +1,7 @@
 #include <immintrin.h>
 
 #include "kernels/conv_u8s8_blocks.hpp"
-#include "kernels/conv_u8s8_few.hpp"
+#include "kernels/conv_u8s8_few_avx512vnni.hpp"
 #include "kernels/requant.hpp"
 
 namespace egofocus {
@@ -51,29 +51,104 @@ void sums_of(const ConvBlock& block) noexcept {
   }
 }
 
+/// Four registers of s32 -> s8 (saturating), one register's after the other's.
+inline __m512i as_bytes(__m512i a, __m512i b, __m512i c, __m512i d) noexcept {
+  const __m512i mixed = _mm512_packs_epi16(_mm512_packs_epi32(a, b), _mm512_packs_epi32(c, d));
+  return _mm512_permutexvar_epi32(_mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15),
+                                  mixed);
+}
+
+inline __mmask64 first_bytes(std::int32_t count) noexcept {
+  return count >= 64 ? ~__mmask64{0} : (__mmask64{1} << count) - 1;
+}
+
+/// Of one pixel. An addend is at most 127: adding it to what has been cut to s8 gives the same.
+template <ConvEpilogue kEpilogue>
+inline void store_bytes(__m512i bytes, __mmask64 valid, const std::uint8_t* addend,
+                        std::uint8_t* out) noexcept {
+  if constexpr (kEpilogue == ConvEpilogue::kAdd)
+    bytes = _mm512_adds_epi8(bytes, _mm512_maskz_loadu_epi8(valid, addend));
+  if constexpr (kEpilogue != ConvEpilogue::kSmall) bytes = _mm512_max_epi8(bytes, _mm512_setzero_si512());
+  _mm512_mask_storeu_epi8(out, valid, bytes);
+}
+
+/// At most four tiles of each pixel from `pixel` on, and from output `first` on.
+template <ConvEpilogue kEpilogue, int kTiles>
+void leave_tiles(const ConvLeaving& leaving, std::int32_t pixel, std::int32_t first) noexcept {
+  const __mmask64 valid = first_bytes(leaving.outputs - first) & first_bytes(16 * kTiles);
+  __m512 scale[kTiles];
+  for (int t = 0; t < kTiles; ++t) scale[t] = _mm512_load_ps(leaving.scale + first + 16 * t);
+  for (std::int32_t p = pixel; p < leaving.pixels; ++p) {
+    const std::int32_t* sums = leaving.sums + p * leaving.row + first;
+    __m512i r[kTiles];
+    for (int t = 0; t < kTiles; ++t) r[t] = requant_s32_avx512(_mm512_load_si512(sums + 16 * t), scale[t]);
+    const __m512i bytes = as_bytes(r[0], r[kTiles > 1 ? 1 : 0], r[kTiles > 2 ? 2 : 0], r[kTiles > 3 ? 3 : 0]);
+    store_bytes<kEpilogue>(bytes, valid, leaving.addend + p * leaving.addend_step + first,
+                           leaving.output + p * leaving.output_step + first);
+  }
+}
+
+/// One tile of each pixel: four pixels in a register.
+template <ConvEpilogue kEpilogue>
+void leave_tile(const ConvLeaving& leaving) noexcept {
+  const __mmask64 valid = first_bytes(leaving.outputs);
+  const bool dense = leaving.outputs == 16 && leaving.output_step == 16 &&
+                     (kEpilogue != ConvEpilogue::kAdd || leaving.addend_step == 16);
+  const __m512 scale = _mm512_load_ps(leaving.scale);
+  std::int32_t p = 0;
+  for (; p + 4 <= leaving.pixels; p += 4) {
+    __m512i r[4];
+    for (int i = 0; i < 4; ++i)
+      r[i] = requant_s32_avx512(_mm512_load_si512(leaving.sums + 16 * (p + i)), scale);
+    const __m512i bytes = as_bytes(r[0], r[1], r[2], r[3]);
+    const std::uint8_t* addend = leaving.addend + p * leaving.addend_step;
+    std::uint8_t* out = leaving.output + p * leaving.output_step;
+    if (dense) {
+      store_bytes<kEpilogue>(bytes, ~__mmask64{0}, addend, out);
+      continue;
+    }
+    const std::int64_t from = leaving.addend_step;
+    const std::int64_t to = leaving.output_step;
+    store_bytes<kEpilogue>(bytes, valid, addend, out);
+    store_bytes<kEpilogue>(_mm512_shuffle_i32x4(bytes, bytes, 1), valid, addend + from, out + to);
+    store_bytes<kEpilogue>(_mm512_shuffle_i32x4(bytes, bytes, 2), valid, addend + 2 * from, out + 2 * to);
+    store_bytes<kEpilogue>(_mm512_shuffle_i32x4(bytes, bytes, 3), valid, addend + 3 * from, out + 3 * to);
+  }
+  leave_tiles<kEpilogue, 1>(leaving, p, 0);
+}
+
+void leave_scores(const ConvLeaving& leaving) noexcept {
+  for (std::int32_t o = 0; o < leaving.outputs; o += 32) {
+    const std::int32_t second = o + 16 < leaving.row ? o + 16 : o;
+    const __mmask32 valid = static_cast<__mmask32>(first_bytes(leaving.outputs - o));
+    const __m512 scale0 = _mm512_load_ps(leaving.scale + o);
+    const __m512 scale1 = _mm512_load_ps(leaving.scale + second);
+    const __m512i tile_by_tile = _mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7);
+    for (std::int32_t p = 0; p < leaving.pixels; ++p) {
+      const std::int32_t* sums = leaving.sums + p * leaving.row;
+      const __m512i r = _mm512_packs_epi32(requant_s32_avx512(_mm512_load_si512(sums + o), scale0),
+                                           requant_s32_avx512(_mm512_load_si512(sums + second), scale1));
+      _mm512_mask_storeu_epi16(leaving.output + p * leaving.output_step + 2 * o, valid,
+                               _mm512_permutexvar_epi64(tile_by_tile, r));
+    }
+  }
+}
+
 template <ConvEpilogue kEpilogue>
 void leave_as(const ConvLeaving& leaving) noexcept {
-  const __m512i most = _mm512_set1_epi32(127);
-  const __m512i least = kEpilogue == ConvEpilogue::kSmall ? _mm512_set1_epi32(-128) : _mm512_setzero_si512();
-  for (std::int32_t o = 0; o < leaving.outputs; o += 16) {
-    const std::int32_t left = leaving.outputs - o;
-    const __mmask16 valid = static_cast<__mmask16>(left >= 16 ? 0xffff : (1 << left) - 1);
-    const __m512 scale = _mm512_load_ps(leaving.scale + o);
-    for (std::int32_t p = 0; p < leaving.pixels; ++p) {
-      const __m512i acc = _mm512_load_si512(leaving.sums + p * leaving.row + o);
-      std::uint8_t* out = leaving.output + p * leaving.output_step;
-      if constexpr (kEpilogue == ConvEpilogue::kScore) {
-        _mm256_mask_storeu_epi16(out + 2 * o, valid, requant_s16_avx512(acc, scale));
-      } else {
-        __m512i r = requant_s32_avx512(acc, scale);
-        if constexpr (kEpilogue == ConvEpilogue::kAdd) {
-          const std::uint8_t* from = leaving.addend + p * leaving.addend_step + o;
-          r = _mm512_add_epi32(r, _mm512_cvtepu8_epi32(_mm_maskz_loadu_epi8(valid, from)));
-        }
-        r = _mm512_min_epi32(_mm512_max_epi32(r, least), most);
-        _mm_mask_storeu_epi8(out + o, valid, _mm512_cvtepi32_epi8(r));
-      }
-    }
+  if constexpr (kEpilogue == ConvEpilogue::kScore) return leave_scores(leaving);
+  switch (leaving.row / 16) {
+    case 1:
+      return leave_tile<kEpilogue>(leaving);
+    case 2:
+      return leave_tiles<kEpilogue, 2>(leaving, 0, 0);
+    case 3:
+      return leave_tiles<kEpilogue, 3>(leaving, 0, 0);
+    case 5:
+      leave_tiles<kEpilogue, 1>(leaving, 0, 64);
+      [[fallthrough]];
+    default:
+      return leave_tiles<kEpilogue, 4>(leaving, 0, 0);
   }
 }
 
@@ -97,8 +172,7 @@ constexpr ConvBody kBody{kConvPacking_avx512vnni,
 }  // namespace
 
 void conv_u8s8_avx512vnni(const ConvU8S8& conv) noexcept {
-  if (conv_has_few(conv)) return conv_u8s8_few_avx512vnni(conv);
-  conv_by_blocks(conv, kBody);
+  if (!conv_u8s8_few_avx512vnni(conv)) conv_by_blocks(conv, kBody);
 }
 
 }  // namespace egofocus

@@ -1,4 +1,6 @@
 #include "kernels/conv_u8s8_ymm.inc"
+// after it
+#include "kernels/conv_u8s8_few_ymm.inc"
 
 namespace egofocus {
 namespace {
@@ -13,7 +15,7 @@ constexpr ConvBody kBody{kConvPacking_avxvnni, 8, 2, {widths<12, 1>(), widths<6,
 }  // namespace
 
 void conv_u8s8_avxvnni(const ConvU8S8& conv) noexcept {
-  conv_by_blocks(conv, kBody);
+  if (!conv_by_few(conv, kConvPacking_avxvnni)) conv_by_blocks(conv, kBody);
 }
 
 }  // namespace egofocus

@@ -103,6 +103,33 @@ inline ConvRuns conv_runs(const ConvU8S8& conv, std::int32_t group_inputs) noexc
                              conv.in_channels % group_inputs == 0);
 }
 
+/// The runs of an output row, and their weights. Where nothing but zeros lies above and below the input,
+/// those of its first and last rows are fewer; `all` stays the caller's.
+struct ConvRowRuns {
+  const ConvRuns* runs;
+  const std::int8_t* weights;
+  ConvRuns some;
+
+  void set(const ConvU8S8& conv, const ConvRuns& all, const std::int8_t* first_weights,
+           std::int64_t weights_per_ky, std::int32_t row) noexcept {
+    runs = &all;
+    weights = first_weights;
+    const std::int32_t first = row * conv.stride - conv.side / 2 * conv.dilation;
+    const std::int32_t last = first + (conv.side - 1) * conv.dilation;
+    if (!conv.zeros_beyond || (first >= 0 && last < conv.input_rows)) return;
+    const std::int32_t across = all.count / conv.side;
+    some.count = 0;
+    some.channels = all.channels;
+    for (std::int32_t ky = 0; ky < conv.side; ++ky) {
+      const std::int32_t y = first + ky * conv.dilation;
+      if (y < 0) weights += weights_per_ky;
+      if (y < 0 || y >= conv.input_rows) continue;
+      for (std::int32_t i = 0; i < across; ++i) some.offset[some.count++] = all.offset[ky * across + i];
+    }
+    runs = &some;
+  }
+};
+
 /// A call's rows for the outputs of one width of block.
 struct ConvPlan {
   const ConvBlockWidths* widths;
@@ -144,8 +171,14 @@ inline void conv_row(ConvPlan& plan, std::int32_t columns) noexcept {
 }
 
 inline void conv_rows(const ConvU8S8& conv, ConvPlan& plan, std::int32_t first_output) noexcept {
+  const ConvRuns* const runs = plan.block.runs;
+  const std::int8_t* const weights = plan.block.weights;
+  ConvRowRuns here;
   const std::int32_t element = conv.epilogue == ConvEpilogue::kScore ? 2 : 1;
   for (std::int32_t row = conv.first_row; row < conv.first_row + conv.rows; ++row) {
+    here.set(conv, *runs, weights, plan.block.tile_stride / conv.side, row);
+    plan.block.runs = here.runs;
+    plan.block.weights = here.weights;
     plan.block.input = conv.input + std::int64_t{row} * conv.stride * conv.input_row_stride;
     if (conv.epilogue == ConvEpilogue::kAdd)
       plan.leaving.addend = conv.addend + std::int64_t{row} * conv.addend_row_stride + first_output;
@@ -153,6 +186,7 @@ inline void conv_rows(const ConvU8S8& conv, ConvPlan& plan, std::int32_t first_o
                           std::int64_t{row} * conv.output_row_stride + first_output * element;
     conv_row(plan, conv.columns);
   }
+  plan.block.runs = runs;
 }
 
 inline void conv_by_blocks(const ConvU8S8& conv, const ConvBody& body) noexcept {

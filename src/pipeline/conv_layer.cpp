@@ -15,6 +15,7 @@ ConvLayer::ConvLayer(const ModelLayer& layer, std::int32_t channels, const Kerne
   conv_.side = layer.shape.side;
   conv_.stride = layer.shape.stride;
   conv_.dilation = layer.shape.dilation;
+  conv_.zeros_beyond = layer.shape.zero == 0;
   ConvWeights weights;
   weights.weights = layer.weights;
   weights.bias = layer.bias;
@@ -36,6 +37,7 @@ ConvU8S8 ConvLayer::call(const Tensor& input, std::int32_t first, std::int32_t r
   conv.input = input.origin;
   conv.input_row_stride = input.shape.row_stride();
   conv.input_pixel_stride = input.shape.channels;
+  conv.input_rows = input.shape.height;
   conv.columns = (input.shape.width + conv.stride - 1) / conv.stride;
   conv.first_row = first;
   conv.rows = rows;
@@ -96,6 +98,7 @@ void ConvLayer::scores(const std::uint8_t* input, std::int32_t row_stride, std::
   ConvU8S8 conv = conv_;
   conv.epilogue = ConvEpilogue::kScore;
   conv.input = input;
+  conv.input_rows = height;
   conv.input_row_stride = row_stride;
   conv.input_pixel_stride = conv.in_channels;
   conv.columns = width;

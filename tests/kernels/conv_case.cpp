@@ -38,7 +38,7 @@ std::string describe(const ConvCaseShape& s) {
        << s.in_channels << " (-" << s.missing_channels << ") -> " << s.out_channels << ", columns "
        << s.columns << ", rows " << s.first_row << " + " << s.rows << ", epilogue "
        << static_cast<int>(s.epilogue) << ", gaps " << s.input_gap << " " << s.output_gap << " " << s.row_gap
-       << (s.in_place ? ", in place" : "");
+       << (s.in_place ? ", in place" : "") << (s.zeros_beyond ? ", zeros beyond" : "");
   return text.str();
 }
 
@@ -101,6 +101,8 @@ void ConvCase::fill_input(ConvFill fill, std::mt19937& random) {
         } else {
           pixel[i] = fill == ConvFill::kAlternating && (i + x) % 2 != 0 ? 0 : 127;
         }
+        const bool beyond = y < border_ || y >= input_rows_ - border_;
+        if (shape_.zeros_beyond && beyond) pixel[i] = 0;
       }
     }
   }
@@ -126,6 +128,8 @@ std::vector<std::uint8_t> ConvCase::run(ConvU8S8Function* function, const ConvPa
   conv.input = input_.data() + std::int64_t{border_} * (input_row_ + input_pixel_);
   conv.input_row_stride = input_row_;
   conv.input_pixel_stride = input_pixel_;
+  conv.zeros_beyond = shape_.zeros_beyond;
+  conv.input_rows = input_rows_ - 2 * border_;
   if (shape_.epilogue == ConvEpilogue::kAdd) {
     conv.addend = shape_.in_place ? output_.data() : addend_.data();
     conv.addend_row_stride = output_row_;

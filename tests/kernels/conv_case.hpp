@@ -31,6 +31,7 @@ struct ConvCaseShape {
   std::int32_t output_gap = 0;        ///< elements, likewise; of the addend too
   std::int32_t row_gap = 0;           ///< elements between rows
   bool in_place = false;              ///< the output is the addend
+  bool zeros_beyond = false;          ///< above and below the input, and the call says so
 };
 
 std::string describe(const ConvCaseShape& shape);

@@ -60,6 +60,26 @@ std::vector<ConvCaseShape> shapes() {
     all.push_back({8, o, 3, 1, 1, 37, 3, ConvEpilogue::kAdd, 1, 0, 0, 0, 2, true});
     all.push_back({48, o, 3, 1, 1, 11, 2, ConvEpilogue::kAdd, 0, 0, 16, 7, 0, true});
   }
+  for (std::int32_t o : {1, 4, 8, 16, 48, 131}) {
+    for (std::int32_t rows : {1, 2, 5}) {
+      for (std::int32_t dilation : {1, 2, 4}) {
+        all.push_back({16, o, 3, 1, dilation, 18, rows, epilogue(), 0, 0, 0, 0, 0, false, true});
+        all.push_back({8, o, 3, 2, dilation, 9, rows, epilogue(), 1, 0, 0, 0, 3, false, true});
+      }
+    }
+    all.push_back({16, o, 1, 1, 1, 18, 3, epilogue(), 0, 0, 0, 0, 0, false, true});
+  }
+  // Few outputs: what a body may do differently then, around the widths of its registers.
+  for (std::int32_t o : {1, 4, 8}) {
+    for (std::int32_t i : {4, 8, 16, 32, 48}) {
+      for (ConvEpilogue each : {ConvEpilogue::kRelu, ConvEpilogue::kSmall, ConvEpilogue::kScore}) {
+        for (std::int32_t columns : {7, 8, 9, 15, 16, 17, 24, 33, 40, 65})
+          all.push_back({i, o, 3, 1, 1 + columns % 2, columns, 2, each, 0, 0, columns % 3 == 0 ? 16 : 0,
+                         columns % 4 == 0 ? 3 : 0, columns % 5});
+        all.push_back({i, o, 1, 1, 1, 70, 1, each, 1});
+      }
+    }
+  }
   all.push_back({144, 48, 1, 1, 1, 21, 2, ConvEpilogue::kRelu, 0, 5});
   all.push_back({4, 4, 3, 1, 1, 33, 2, ConvEpilogue::kRelu, 0, 0, 0, 140});  // into another tensor's channels
   all.push_back({4, 1, 1, 1, 1, 33, 2, ConvEpilogue::kScore, 0, 0, 140, 31});
@@ -119,6 +139,7 @@ TEST_CASE("conv_u8s8: random shapes") {
       shape.input_gap = below(2) * below(20);
       shape.output_gap = below(2) * below(20);
       shape.row_gap = below(20);
+      shape.zeros_beyond = below(2) == 1;
       shape.in_place = shape.epilogue == ConvEpilogue::kAdd && below(2) == 1;
       const std::uint32_t seed = static_cast<std::uint32_t>(random());
       INFO(row.name << " round " << round << " " << describe(shape) << " seed " << seed);
