@@ -40,6 +40,7 @@ std::size_t arena_bytes(const Config& config) {
 
 Config default_config() {
   Config config;
+  config.backend = Backend::kFocus;
   config.camera.intrinsics = {346, 260, 226, 226, 173, 130};
   return config;
 }
