@@ -156,7 +156,8 @@ TEST_CASE("three bytes per pixel, and none where nothing is carried") {
 
 TEST_CASE("at a standstill depth stays as it is, and confidence falls evenly to the end") {
   test::RoomyArena arena;
-  CarriedDepth carried({2'000'000, 0.5, 0.1}, kGrid, landed(*arena), *arena);
+  const std::span<std::uint32_t> borrowed = landed(*arena);
+  CarriedDepth carried({2'000'000, 0.5, 0.1}, kGrid, borrowed, *arena);
   CHECK_FALSE(show(carried, still(0, 0)).any);
   const Frame kept;
   carried.keep(kept.frame, 990'000);
@@ -171,6 +172,7 @@ TEST_CASE("at a standstill depth stays as it is, and confidence falls evenly to 
     const double expected = 255 * (1 - static_cast<double>(age_us) / 2e6);
     CHECK(static_cast<double>(shown.confidence[77]) >= expected);
     CHECK(static_cast<double>(shown.confidence[77]) <= expected + 2);
+    CHECK(std::count(borrowed.begin(), borrowed.end(), 0u) == kGrid.width_px * kGrid.height_px);
   }
   CHECK(carried.kept());
   CHECK_FALSE(show(carried, still(1'000'000, 2'990'000)).any);
