@@ -1,5 +1,6 @@
 // For builds with EGOFOCUS_CHECK_KERNELS, which are for tests alone: every dispatched call beside its scalar
-// meaning. Where a byte differs: kernel, instruction set and place on stderr, then abort().
+// meaning. Where a byte differs: kernel, instruction set and place on stderr, then abort(). The comparisons
+// are tests/kernels/checked_kernels.cpp.
 #pragma once
 
 #include "kernels/conv_u8s8.hpp"
