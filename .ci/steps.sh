@@ -14,6 +14,7 @@ STEPS=(
   "clang|build convert test clang|900||clang++, release: build, all tests, symbol bans"
   "headers|build convert test clang|600|release|each header compiles alone, with g++ and clang++"
   "nehalem|build test qemu|600|release|kernel tests on an emulated x86 without AVX"
+  "checked|build test|900||every kernel call of the golden replays beside its scalar meaning"
   "install|build test install|600|release|a consumer of the installed library: static and shared, CMake and pkg-config"
   "install-aarch64|build test install aarch64 qemu|600|aarch64|the same against the 64-bit ARM tree, run emulated"
   "fuzz|build convert test clang|400||every fuzzer, 60 s in all"
@@ -141,6 +142,11 @@ step_nehalem() {
   done
 }
 
+step_checked() {
+  TARGETS="egofocus_app test_checked_kernels" configure_and_build checked
+  run_ctest checked -R '^(golden_.*|test_checked_kernels)$'
+}
+
 step_headers() {
   [[ -d build/release/generated ]] || fail "build/release is missing: run ./check --only release first"
   bash tests/checks/headers_alone.sh . build/release/generated g++ "$JOBS" &&
@@ -161,7 +167,7 @@ step_fuzz() {
 }
 
 step_training() {
-  TARGETS="egofocus_stack test_window_stack test_network" configure_and_build training
+  TARGETS="egofocus_stack egofocus_app test_window_stack test_network" configure_and_build training
   run_ctest training -L training
 }
 

@@ -75,7 +75,7 @@ recording::MetricRange range_of(const Arguments& arguments) {
 std::vector<std::string> methods_of(const Arguments& arguments) {
   if (arguments.methods.empty()) {
     std::vector<std::string> methods{"focus", "focus+sgm"};
-    if (!arguments.model.empty()) methods.push_back("network");
+    if (!arguments.model.empty() || default_backend() == Backend::kNetwork) methods.push_back("network");
     if (arguments.noise_study) return methods;
     methods.push_back("median");
     if (!arguments.prior.empty()) methods.insert(methods.end(), {"median-prior", "rows"});
@@ -222,7 +222,7 @@ void add_engine_options(CLI::App& command, Arguments& a) {
   command.add_option("--threads", a.threads, "workers, 1..8; the result is the same");
   add_noise_options(command, a.noise);
   command.add_flag("--noise-study", a.noise_study,
-                   "the focus methods at 0, 10, 20, 50 and 100 % of velocity noise, one row each");
+                   "the methods with an engine at 0, 10, 20, 50 and 100 % of velocity noise, one row each");
 }
 
 }  // namespace
@@ -254,7 +254,8 @@ void add_eval(CLI::App& program) {
   command->add_option("--maps", a->maps,
                       "depth pictures to compare, named and scaled like the truth: DIR/<recording>/*.png or, "
                       "for one recording, DIR/*.png");
-  command->add_option("--model", a->model, "model file (.efm); adds the method network");
+  command->add_option("--model", a->model,
+                      "model file (.efm) of the method network (default: the embedded one)");
   command->add_option("--prior", a->prior, "file of --fit-prior; adds the methods median-prior and rows");
   command->add_option("--fit-prior", a->fit_prior, "write such a file from the recordings, and do no more");
   command->add_option("--out", a->out, "folder for every map, confidence and event mask as .npy");

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "noise_options.hpp"
+#include "percentiles_json.hpp"
 
 namespace egofocus::app {
 namespace {
@@ -107,6 +108,22 @@ std::string confidence_table(const SequenceScore& score) {
   return text.empty() ? text : text + "\n";
 }
 
+std::string times_table(const SequenceScore& score) {
+  std::string text;
+  for (const MethodScore& method : score.methods) {
+    if (method.times.ticks() == 0) continue;
+    if (text.empty()) {
+      text = "\ntime on this machine in ms: of a tick; from the newest event to the depth that rests on it\n";
+      text += format("%-13s %6s %8s %8s %8s %8s %8s %8s", "method", "ticks", "p50", "p99", "max", "p50",
+                     "p99", "max");
+    }
+    text += format("\n%-13s %6zu", method.method.c_str(), method.times.ticks());
+    for (const recording::Percentiles& p : {method.times.tick_ms(), method.times.event_to_depth_ms()})
+      text += cell(p.p50) + cell(p.p99) + cell(p.max);
+  }
+  return text.empty() ? text : text + "\n";
+}
+
 Json metrics_json(const recording::MetricMeans& means) {
   Json json;
   json.add("images", means.count());
@@ -123,6 +140,10 @@ Json method_json(const MethodScore& method) {
       .add("events_coverage", method.events_coverage.value());
   for (std::size_t set = 0; set < recording::kPixelSets; ++set)
     json.add(recording::kPixelSetNames[set], metrics_json(method.sets[set]));
+  if (method.times.ticks() > 0) {
+    json.add("tick_ms", percentiles_json(method.times.tick_ms()))
+        .add("event_to_depth_ms", percentiles_json(method.times.event_to_depth_ms()));
+  }
   if (method.sparsification.images() == 0) return json;
   const recording::Sparsification mean = method.sparsification.mean();
   const double area = recording::area_under(mean.by_confidence);
@@ -169,7 +190,7 @@ std::string eval_text(const SequenceScore& score, Mask mask) {
   if (mask != Mask::kAll) {
     for (const Section& section : kEventSections) text += table(score, section);
   }
-  return text + confidence_table(score);
+  return text + confidence_table(score) + times_table(score);
 }
 
 Json eval_json(const SequenceScore& score, bool images) {

@@ -77,15 +77,18 @@ ReplayPictures::ReplayPictures(std::filesystem::path folder, double z_near_m)
   for (const char* last : {"overview.png", "report.json"}) std::filesystem::remove(folder_ / last);
 }
 
-void ReplayPictures::write(const DepthFrame& frame, const Intrinsics& sensor, std::span<const Event> events,
-                           std::span<const float> truth_m) {
+void ReplayPictures::write(const DepthFrame& frame, const DepthFrame* beside, const Intrinsics& sensor,
+                           std::span<const Event> events, std::span<const float> truth_m) {
   char time[24];
   std::snprintf(time, sizeof time, "%012lld", static_cast<long long>(frame.t_us));
   const auto path = [&](const char* kind) { return folder_ / (std::string(time) + "_" + kind + ".png"); };
   // One colour scale for the whole recording: the near limit is brightest.
-  double nearest = 1;
-  if (frame.inverse_depth_scale_per_m > 0) nearest = 1.0 / (z_near_m_ * frame.inverse_depth_scale_per_m);
-  const auto brightest = static_cast<std::uint16_t>(std::clamp(nearest, 1.0, 65535.0));
+  const auto brightest_of = [this](const DepthFrame& of) {
+    double nearest = 1;
+    if (of.inverse_depth_scale_per_m > 0) nearest = 1.0 / (z_near_m_ * of.inverse_depth_scale_per_m);
+    return static_cast<std::uint16_t>(std::clamp(nearest, 1.0, 65535.0));
+  };
+  const std::uint16_t brightest = brightest_of(frame);
   const std::int32_t width = frame.grid.width_px;
   const std::int32_t height = frame.grid.height_px;
   const RgbPicture event_view = recording::event_picture(sensor.width_px, sensor.height_px, events);
@@ -95,9 +98,14 @@ void ReplayPictures::write(const DepthFrame& frame, const Intrinsics& sensor, st
   recording::write_png(path("events"), event_view);
   recording::write_png(path("depth"), depth);
   recording::write_png(path("confidence"), confidence);
+  std::vector<RgbPicture> row{event_view, depth, to_rgb(confidence)};
+  if (beside != nullptr) {
+    row.push_back(recording::depth_picture(width, height, beside->inverse_depth, beside->confidence,
+                                           brightest_of(*beside)));
+    recording::write_png(path("focus"), row.back());
+  }
 
   if (frame.votes == 0 || seen_++ % stride_ != 0) return;
-  std::vector<RgbPicture> row{event_view, depth, to_rgb(confidence)};
   if (truth_m.size() == frame.inverse_depth.size()) row.push_back(truth_picture(frame, truth_m, brightest));
   rows_.push_back(side_by_side(row));
   if (rows_.size() < kMostRows) return;

@@ -18,13 +18,13 @@ class ReplayPictures {
   /// folder is whole. `z_near_m` is where the depth colours end. Throws recording::Error.
   ReplayPictures(std::filesystem::path folder, double z_near_m);
 
-  /// <t_us>_events.png, _depth.png, _confidence.png. `truth_m` is empty or as large as the grid. Frames with
-  /// depth are candidates for the overview.
-  void write(const DepthFrame& frame, const Intrinsics& sensor, std::span<const Event> events,
-             std::span<const float> truth_m);
+  /// <t_us>_events.png, _depth.png, _confidence.png, and _focus.png where there is another backend's frame
+  /// `beside`. `truth_m` is empty or as large as the grid. Frames with depth are candidates for the overview.
+  void write(const DepthFrame& frame, const DepthFrame* beside, const Intrinsics& sensor,
+             std::span<const Event> events, std::span<const float> truth_m);
 
-  /// overview.png: a row of events, depth, confidence and truth for up to kOverviewRows ticks, evenly chosen
-  /// among those with depth. Nothing when no tick had depth.
+  /// overview.png: a row of events, depth, confidence, the depth beside and truth for up to kOverviewRows
+  /// ticks, evenly chosen among those with depth. Nothing when no tick had depth.
   void write_overview() const;
 
  private:

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "percentiles_json.hpp"
+
 namespace egofocus::app {
 namespace {
 
@@ -46,6 +48,19 @@ Json stage_facts(const std::vector<StageTimes>& stages) {
       .add("input", mean_ms(&StageTimes::input_us))
       .add("backend", mean_ms(&StageTimes::backend_us))
       .add("depth", mean_ms(&StageTimes::depth_us));
+}
+
+Json arena_facts(const ArenaBytes& bytes) {
+  return Json()
+      .add("all", bytes.all)
+      .add("engine", bytes.engine)
+      .add("rings", bytes.rings)
+      .add("window", bytes.window)
+      .add("motion", bytes.motion)
+      .add("warp", bytes.warp)
+      .add("backend", bytes.backend)
+      .add("weights", bytes.weights)
+      .add("depth", bytes.depth);
 }
 
 Json event_facts(const Health& health) {
@@ -151,7 +166,7 @@ std::string flags_text(std::uint32_t flags) {
 
 void ReplayReport::add(const DepthFrame& frame, double milliseconds) {
   const std::uint64_t hash = frame_hash(frame);
-  if (milliseconds_.empty()) {
+  if (ticks() == 0) {
     first_us_ = frame.t_us;
     hash_ = kFnvOffset;
   }
@@ -165,7 +180,7 @@ void ReplayReport::add(const DepthFrame& frame, double milliseconds) {
                 frame.sequence, frame.t_us, frame.events, frame.votes, known, hash_text(hash).c_str(),
                 flags_text(frame.flags).c_str());
   lines_.emplace_back(line);
-  milliseconds_.push_back(milliseconds);
+  times_.add(frame, milliseconds);
   events_ += frame.events;
   votes_ += frame.votes;
   if (known > 0) {
@@ -182,14 +197,6 @@ void ReplayReport::add_truth(const recording::DepthError& error) {
   if (error.compared_px > 0) errors_.push_back(error);
 }
 
-double ReplayReport::percentile_ms(double share) const {
-  if (milliseconds_.empty()) return 0;
-  std::vector<double> sorted = milliseconds_;
-  std::sort(sorted.begin(), sorted.end());
-  const auto at = static_cast<std::size_t>(share * static_cast<double>(sorted.size()));
-  return sorted[std::min(at, sorted.size() - 1)];
-}
-
 std::string ReplayReport::golden_text(recording::Replay& replay) const {
   std::string text;
   for (const std::string& line : lines_) text += line + "\n";
@@ -197,24 +204,34 @@ std::string ReplayReport::golden_text(recording::Replay& replay) const {
   return text;
 }
 
-Json ReplayReport::summary(recording::Replay& replay) const {
+Json ReplayReport::summary(recording::Replay& replay, const ReplayReport* beside) const {
   const double span_s = static_cast<double>(replay.last_event_us() - replay.first_event_us()) * 1e-6;
   Json facts;
   facts.add("recording", replay.folder().path.string())
       .add("backend", replay.config().backend == Backend::kNetwork ? "network" : "focus")
       .add("isa", replay.engine().isa())
       .add("threads", replay.config().threads)
-      .add("arena_bytes", replay.arena_bytes())
+      .add("arena_bytes", arena_facts(replay.arena_bytes()))
       .add("ticks", ticks())
       .add("ticks_with_depth", with_depth_)
       .add("first_tick_us", first_us_)
       .add("last_tick_us", last_us_)
       .add("events_per_second", span_s > 0 ? static_cast<double>(replay.event_count()) / span_s : 0.0)
-      .add("votes", votes_)
-      .add("coverage", mean(coverage_));
-  facts.add(
-      "tick_ms",
-      Json().add("p50", percentile_ms(0.5)).add("p99", percentile_ms(0.99)).add("max", percentile_ms(1.0)));
+      .add("votes", votes_);
+  add_findings(facts);
+  if (beside != nullptr) {
+    Json other;
+    beside->add_findings(other);
+    facts.add("focus", other);
+  }
+  facts.add("health", health_facts(replay)).add("hash", hash_text(hash_));
+  return facts;
+}
+
+void ReplayReport::add_findings(Json& facts) const {
+  facts.add("coverage", mean(coverage_))
+      .add("tick_ms", percentiles_json(times_.tick_ms()))
+      .add("event_to_depth_ms", percentiles_json(times_.event_to_depth_ms()));
   if (!stages_.empty()) facts.add("stage_ms", stage_facts(stages_));
   if (!errors_.empty()) {
     std::vector<double> median;
@@ -234,8 +251,6 @@ Json ReplayReport::summary(recording::Replay& replay) const {
                               .add("within_10_percent", mean(within))
                               .add("d1", mean(d1)));
   }
-  facts.add("health", health_facts(replay)).add("hash", hash_text(hash_));
-  return facts;
 }
 
 }  // namespace egofocus::app

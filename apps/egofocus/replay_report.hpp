@@ -11,6 +11,7 @@
 #include "recording/depth_error.hpp"
 #include "recording/json.hpp"
 #include "recording/replay.hpp"
+#include "recording/tick_times.hpp"
 
 namespace egofocus::app {
 
@@ -29,20 +30,21 @@ class ReplayReport {
   void add_stages(const StageTimes& stages);
   void add_truth(const recording::DepthError& error);
 
-  [[nodiscard]] std::size_t ticks() const { return milliseconds_.size(); }
+  [[nodiscard]] std::size_t ticks() const { return times_.ticks(); }
 
   /// Deterministic: one line per tick, then counts and health. The same bytes on every machine, ISA and
   /// thread count; what tests/golden holds.
   [[nodiscard]] std::string golden_text(recording::Replay& replay) const;
 
-  /// Everything, times included.
-  [[nodiscard]] Json summary(recording::Replay& replay) const;
+  /// Everything, times included. `beside`: the report of another backend on the same ticks, or null.
+  [[nodiscard]] Json summary(recording::Replay& replay, const ReplayReport* beside) const;
 
  private:
-  [[nodiscard]] double percentile_ms(double share) const;
+  /// Coverage, times and accuracy.
+  void add_findings(Json& facts) const;
 
   std::vector<std::string> lines_;
-  std::vector<double> milliseconds_;
+  recording::TickTimes times_;
   std::vector<StageTimes> stages_;
   std::vector<double> coverage_;  // of the ticks that gave depth
   std::vector<recording::DepthError> errors_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "egofocus/export.hpp"
 #include "egofocus/types.hpp"
 
 namespace egofocus {
@@ -120,6 +121,10 @@ enum class Backend : std::uint8_t {
   kNetwork,  ///< the trained network of Config::model
 };
 
+/// kNetwork where the library has a model embedded (build option EGOFOCUS_EMBED_MODEL), else kFocus. Thread:
+/// any. RT: yes.
+EGOFOCUS_API Backend default_backend() noexcept;
+
 /// How a noise of so many percent is read.
 enum class NoiseKind : std::uint8_t {
   kVariance,   ///< sigma^2 = percent / 100 * norm: the published words, units aside
@@ -178,9 +183,10 @@ struct Config {
   RingConfig rings;
   RealTimeConfig real_time;
   VelocityNoise velocity_noise;
-  Backend backend = Backend::kFocus;
+  Backend backend = default_backend();
   /// kNetwork: the bytes of a model file (.efm), at a multiple of 16; read by required_arena() and
-  /// configure() only. The ladder (but z_near_m) and window.max_events are then the model's.
+  /// configure() only. Empty: the embedded model. The ladder (but z_near_m) and window.max_events are then
+  /// the model's.
   std::span<const std::byte> model;
   std::int32_t threads = 1;              ///< 1..8 workers; the bytes are the same for any number
   std::uint32_t isa_mask = 0xffffffffu;  ///< lowers the instruction sets that may be chosen (tests)

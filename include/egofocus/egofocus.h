@@ -173,11 +173,11 @@ typedef struct egofocus_config {
   egofocus_rings rings;
   egofocus_real_time real_time;
   egofocus_velocity_noise velocity_noise;
-  int32_t backend;
+  int32_t backend; /* by default the network where the library has a model embedded */
   int32_t threads; /* 1..8 */
   uint32_t isa_mask;
   const void* model; /* EGOFOCUS_BACKEND_NETWORK: a model file, read by egofocus_required_bytes and
-                        egofocus_create only, at a multiple of 16 */
+                        egofocus_create only, at a multiple of 16; NULL: the embedded one */
   size_t model_bytes;
 } egofocus_config;
 

@@ -22,6 +22,20 @@ enum class ClockKind : std::uint8_t {
   kMonotonic,  ///< CLOCK_MONOTONIC: tick() sleeps to its absolute deadline; sources poll on their own threads
 };
 
+/// What the arena is for, in bytes; `all` is the sum of the others.
+struct ArenaBytes {
+  std::size_t all = 0;
+  std::size_t engine = 0;  ///< the objects themselves
+  std::size_t rings = 0;   ///< samples on their way to the tick
+  std::size_t window = 0;  ///< events a tick may look back on, and the filter's memory of pixels
+  std::size_t motion = 0;  ///< ego-motion
+  std::size_t warp = 0;    ///< the camera's rays and votes; kFocus: landing lines and the stack
+  std::size_t backend =
+      0;  ///< kFocus: costs; kNetwork: landing lines, stack, input and activations, which share
+  std::size_t weights = 0;  ///< kNetwork: packed for the instruction set in use
+  std::size_t depth = 0;    ///< frames: one published, one read, one written, one kept to be carried
+};
+
 /// Events and motion in, one depth map per tick out.
 ///
 /// Order of calls: configure -> [attach ...] -> start -> tick, tick, ... -> stop. After start() no call
@@ -38,6 +52,7 @@ class EGOFOCUS_API Engine {
   /// The exact number of bytes that configure() takes from the arena, or the reason why the configuration
   /// cannot be. RT: no.
   static Status required_arena(const Config& config, std::size_t& bytes_out) noexcept;
+  static Status required_arena(const Config& config, ArenaBytes& bytes_out) noexcept;
 
   /// Checks everything and plans the arena. On failure nothing is left half-started. `arena` must start at a
   /// multiple of 64 bytes and outlive the engine. RT: no.
@@ -72,7 +87,8 @@ class EGOFOCUS_API Engine {
   /// Snapshot of the counters. RT: yes.
   [[nodiscard]] Health health() const noexcept;
 
-  /// The ISA of the kernels chosen at configure(): "scalar", "avx2", ... RT: yes.
+  /// The kernels chosen at configure() with their instruction sets: "warp_vote avx512, conv_u8s8 avx512vnni";
+  /// empty before. RT: yes.
   [[nodiscard]] const char* isa() const noexcept;
 
   /// May be called from any thread or a signal handler.
@@ -81,7 +97,7 @@ class EGOFOCUS_API Engine {
 
  private:
   struct State;
-  static Status plan(Config& config, Model& model, std::size_t& bytes_out) noexcept;
+  static Status plan(Config& config, Model& model, ArenaBytes& bytes_out) noexcept;
 
   State* state_ = nullptr;
 };

@@ -14,6 +14,10 @@
 
 namespace egofocus {
 
+/// What memory is for.
+enum class ArenaPart : std::uint8_t { kEngine, kRings, kWindow, kMotion, kWarp, kBackend, kWeights, kDepth };
+inline constexpr std::size_t kArenaParts = 8;
+
 class Arena {
  public:
   static constexpr std::size_t kAlignment = kCacheLine;
@@ -25,6 +29,15 @@ class Arena {
 
   [[nodiscard]] bool counting() const noexcept { return base_ == nullptr; }
   [[nodiscard]] std::size_t used_bytes() const noexcept { return used_; }
+  [[nodiscard]] std::size_t used_bytes(ArenaPart part) const noexcept {
+    return part_bytes_[static_cast<std::size_t>(part)];
+  }
+
+  /// What is taken from here on counts to `part`; kEngine at first.
+  Arena& part(ArenaPart part) noexcept {
+    part_ = part;
+    return *this;
+  }
 
   /// `n` zero-initialised objects on their own cache lines; an empty span while counting.
   template <typename T>
@@ -55,6 +68,7 @@ class Arena {
       return nullptr;
     }
     used_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
+    part_bytes_[static_cast<std::size_t>(part_)] += used_ - at;
     if (base_ == nullptr || used_ > size_) return nullptr;
     return base_ + at;
   }
@@ -62,6 +76,8 @@ class Arena {
   std::byte* base_ = nullptr;
   std::size_t size_ = 0;
   std::size_t used_ = 0;
+  std::size_t part_bytes_[kArenaParts] = {};
+  ArenaPart part_ = ArenaPart::kEngine;
 };
 
 }  // namespace egofocus

@@ -1,11 +1,21 @@
 #include "kernels/kernel_table.hpp"
 
+#ifdef EGOFOCUS_CHECK_KERNELS
+#include "kernels/checked_kernels.hpp"
+#define EGOFOCUS_RUN_WARP_VOTE(suffix, isa) &checked_warp_vote<&warp_vote_u8_##suffix, Isa::isa>
+#define EGOFOCUS_RUN_CONV_U8S8(suffix, isa) \
+  &checked_conv_u8s8<&conv_u8s8_##suffix, Isa::isa, kConvPacking_##suffix>
+#else
+#define EGOFOCUS_RUN_WARP_VOTE(suffix, isa) &warp_vote_u8_##suffix
+#define EGOFOCUS_RUN_CONV_U8S8(suffix, isa) &conv_u8s8_##suffix
+#endif
+
 namespace egofocus {
 namespace {
 
 ChosenKernel<WarpVoteFunction> select_warp_vote(IsaSet allowed) noexcept {
 #define EGOFOCUS_WARP_VOTE(suffix, isa) \
-  if (has_isa(allowed, Isa::isa)) return {&warp_vote_u8_##suffix, Isa::isa};
+  if (has_isa(allowed, Isa::isa)) return {EGOFOCUS_RUN_WARP_VOTE(suffix, isa), Isa::isa};
 #include "kernels/warp_vote.inc"
 #undef EGOFOCUS_WARP_VOTE
   return {};
@@ -13,7 +23,8 @@ ChosenKernel<WarpVoteFunction> select_warp_vote(IsaSet allowed) noexcept {
 
 ChosenConvU8S8 select_conv_u8s8(IsaSet allowed) noexcept {
 #define EGOFOCUS_CONV_U8S8(suffix, isa, tile_outputs, group_inputs) \
-  if (has_isa(allowed, Isa::isa)) return {{&conv_u8s8_##suffix, Isa::isa}, kConvPacking_##suffix};
+  if (has_isa(allowed, Isa::isa))                                   \
+    return {{EGOFOCUS_RUN_CONV_U8S8(suffix, isa), Isa::isa}, kConvPacking_##suffix};
 #include "kernels/conv_u8s8.inc"
 #undef EGOFOCUS_CONV_U8S8
   return {};
@@ -27,6 +38,16 @@ KernelTable select_kernels(IsaSet allowed) noexcept {
   table.warp_vote = select_warp_vote(with_scalar);
   table.conv_u8s8 = select_conv_u8s8(with_scalar);
   return table;
+}
+
+void name_kernels(const KernelTable& table, bool with_network, std::span<char> out) noexcept {
+  const char* const words[] = {"warp_vote ", isa_name(table.warp_vote.isa), ", conv_u8s8 ",
+                               isa_name(table.conv_u8s8.isa)};
+  std::size_t size = 0;
+  for (const char* word : std::span(words).first(with_network ? 4 : 2)) {
+    for (; *word != '\0' && size + 1 < out.size(); ++word) out[size++] = *word;
+  }
+  if (!out.empty()) out[size] = '\0';
 }
 
 }  // namespace egofocus

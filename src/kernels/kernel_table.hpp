@@ -1,6 +1,8 @@
 // The kernels in use: one function pointer per op, filled once at set-up, read only afterwards.
 #pragma once
 
+#include <span>
+
 #include "kernels/conv_u8s8.hpp"
 #include "kernels/isa.hpp"
 #include "kernels/warp_vote.hpp"
@@ -28,5 +30,9 @@ struct KernelTable {
 /// `detect_isa() & mask`: a set that the machine does not have ends in an illegal instruction.
 /// Thread: any. RT: set-up only.
 KernelTable select_kernels(IsaSet allowed) noexcept;
+
+/// The ops of a backend and their instruction sets, as text: "warp_vote avx2, conv_u8s8 avxvnni". Writes at
+/// most out.size() - 1 characters and a final NUL. Thread: any. RT: yes.
+void name_kernels(const KernelTable& table, bool with_network, std::span<char> out) noexcept;
 
 }  // namespace egofocus

@@ -37,13 +37,13 @@ Status CarriedDepth::check(const CarryConfig& config) noexcept {
   return {};
 }
 
-CarriedDepth::CarriedDepth(const CarryConfig& config, const Intrinsics& grid, Arena& arena) noexcept
-    : config_(config), grid_(grid) {
+CarriedDepth::CarriedDepth(const CarryConfig& config, const Intrinsics& grid, std::span<std::uint32_t> landed,
+                           Arena& arena) noexcept
+    : config_(config), grid_(grid), landed_(landed) {
   if (config.max_age_us == 0) return;
   const auto pixels = static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px);
   inverse_depth_ = arena.array<std::uint16_t>(pixels);
   confidence_ = arena.array<std::uint8_t>(pixels);
-  landed_ = arena.array<std::uint32_t>(pixels);
 }
 
 void CarriedDepth::keep(const DepthFrame& frame, std::int64_t newest_event_us) noexcept {
@@ -91,6 +91,7 @@ bool CarriedDepth::show(const MotionTrack& motion, DepthFrame& frame, std::span<
       reprojection(compose(motion.knots[0], followed_), grid_, scale_per_m_, config_.max_travel);
   const std::size_t in_view =
       reproject(by, grid_, share_q8, inverse_depth_, confidence_, landed_, inverse_depth, confidence);
+  __builtin_memset(landed_.data(), 0, landed_.size_bytes());
   if (in_view == 0 || static_cast<double>(in_view) < config_.min_in_view * static_cast<double>(known_px_))
     return false;
   frame.flags |= kCarried;

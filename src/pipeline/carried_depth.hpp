@@ -20,9 +20,11 @@ class CarriedDepth {
 
   static Status check(const CarryConfig& config) noexcept;
 
-  /// Takes 7 bytes per pixel of the grid from the arena; nothing where max_age_us is 0, and then nothing is
-  /// ever kept. Precondition: check(config) is ok.
-  CarriedDepth(const CarryConfig& config, const Intrinsics& grid, Arena& arena) noexcept;
+  /// Takes 3 bytes per pixel of the grid from the arena; nothing where max_age_us is 0, and then nothing is
+  /// ever kept. `landed`: one value per pixel, for show() alone; may be another's memory meanwhile, who finds
+  /// it all zero. Precondition: check(config) is ok.
+  CarriedDepth(const CarryConfig& config, const Intrinsics& grid, std::span<std::uint32_t> landed,
+               Arena& arena) noexcept;
 
   /// Copies a measured frame, in place of the one before; but the last ticks before a standstill have the
   /// least parallax: a frame with more of it stays until it has aged, by so much less for each moment up to

@@ -29,8 +29,9 @@ std::size_t metric_depth(const DepthFrame& frame, float far_m, std::span<float> 
   return n;
 }
 
-DepthDecode::DepthDecode(const Intrinsics& grid, Arena& arena) noexcept
-    : grid_(grid), median_q8_(arena.array<std::uint16_t>(cell_grid(grid).size())) {}
+DepthDecode::DepthDecode(const Intrinsics& grid, bool median, Arena& arena) noexcept : grid_(grid) {
+  if (median) median_q8_ = arena.array<std::uint16_t>(cell_grid(grid).size());
+}
 
 void DepthDecode::run(const CellDepth& cells, WorkerPool& pool, std::span<std::uint16_t> inverse_depth,
                       std::span<std::uint8_t> confidence) noexcept {

@@ -13,7 +13,8 @@ namespace egofocus {
 
 class DepthDecode {
  public:
-  DepthDecode(const Intrinsics& grid, Arena& arena) noexcept;
+  /// `median`: whether cells will ever ask for it.
+  DepthDecode(const Intrinsics& grid, bool median, Arena& arena) noexcept;
 
   /// index_q8 of each cell -> 5x5 median over the cells that have an estimate, if cells.median -> each pixel
   /// between its four nearest cell centres (weights 9 3 3 1 of 16, half up). A neighbour without an estimate,

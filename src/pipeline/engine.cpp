@@ -57,7 +57,7 @@ struct Engine::State {
   State(const Config& c, const Model& model, Arena& arena) noexcept
       : config(c),
         kernels(select_kernels(detect_isa() & c.isa_mask)),
-        rings{SpscRing<Event>(arena.array<Event>(c.rings.events)),
+        rings{SpscRing<Event>(arena.part(ArenaPart::kRings).array<Event>(c.rings.events)),
               SpscRing<ImuSample>(arena.array<ImuSample>(c.rings.imu)),
               SpscRing<OdometrySample>(arena.array<OdometrySample>(c.rings.odometry)),
               SpscRing<PoseSample>(arena.array<PoseSample>(c.rings.poses))},
@@ -65,6 +65,8 @@ struct Engine::State {
         pipeline(c, model, kernels, arena) {
     config.filter.hot_pixels = {};
     config.model = {};
+    name_kernels(kernels, c.backend == Backend::kNetwork, isa);
+    arena.part(ArenaPart::kDepth);
     const Intrinsics grid = working_grid(c);
     const auto pixels = static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px);
     for (int i = 0; i < 3; ++i) {
@@ -77,6 +79,7 @@ struct Engine::State {
 
   Config config;
   KernelTable kernels;
+  char isa[96] = {};
   Inlets::Rings rings;
   Inlets inlets;
   Pipeline pipeline;
@@ -94,32 +97,49 @@ struct Engine::State {
 };
 
 // `config` becomes the one that is used, `model` that of the network backend.
-Status Engine::plan(Config& config, Model& model, std::size_t& bytes_out) noexcept {
-  bytes_out = 0;
+Status Engine::plan(Config& config, Model& model, ArenaBytes& bytes_out) noexcept {
+  bytes_out = {};
+  // Twice: what the model puts in place of some of it is not what was asked for.
+  if (Status status = check_config(config); !status.ok()) return status;
   if (Status status = adopt_model(config, model); !status.ok()) return status;
   if (Status status = check_config(config); !status.ok()) return status;
   Arena counter;
   static_cast<void>(counter.array<std::byte>(sizeof(State)));
   const State probe(config, model, counter);
-  bytes_out = counter.used_bytes();
+  bytes_out.all = counter.used_bytes();
+  bytes_out.engine = counter.used_bytes(ArenaPart::kEngine);
+  bytes_out.rings = counter.used_bytes(ArenaPart::kRings);
+  bytes_out.window = counter.used_bytes(ArenaPart::kWindow);
+  bytes_out.motion = counter.used_bytes(ArenaPart::kMotion);
+  bytes_out.warp = counter.used_bytes(ArenaPart::kWarp);
+  bytes_out.backend = counter.used_bytes(ArenaPart::kBackend);
+  bytes_out.weights = counter.used_bytes(ArenaPart::kWeights);
+  bytes_out.depth = counter.used_bytes(ArenaPart::kDepth);
   return {};
 }
 
-Status Engine::required_arena(const Config& config, std::size_t& bytes_out) noexcept {
+Status Engine::required_arena(const Config& config, ArenaBytes& bytes_out) noexcept {
   Config used = config;
   Model model;
   return plan(used, model, bytes_out);
+}
+
+Status Engine::required_arena(const Config& config, std::size_t& bytes_out) noexcept {
+  ArenaBytes bytes;
+  const Status status = required_arena(config, bytes);
+  bytes_out = bytes.all;
+  return status;
 }
 
 Status Engine::configure(const Config& asked, std::span<std::byte> block) noexcept {
   if (state_ != nullptr) return {StatusCode::kBadState, "configure() twice; make another Engine"};
   Config config = asked;
   Model model;
-  std::size_t needed = 0;
+  ArenaBytes needed;
   if (Status status = plan(config, model, needed); !status.ok()) return status;
-  if (block.size() < needed) {
+  if (block.size() < needed.all) {
     return {StatusCode::kArenaTooSmall, "arena", static_cast<std::int64_t>(block.size()),
-            static_cast<std::int64_t>(needed)};
+            static_cast<std::int64_t>(needed.all)};
   }
   const auto address = reinterpret_cast<std::uintptr_t>(block.data());
   if (address % Arena::kAlignment != 0) {
@@ -283,7 +303,7 @@ Health Engine::health() const noexcept {
 }
 
 const char* Engine::isa() const noexcept {
-  return state_ != nullptr ? isa_name(state_->kernels.warp_vote.isa) : "";
+  return state_ != nullptr ? state_->isa : "";
 }
 
 void Engine::request_stop() noexcept {

@@ -23,8 +23,7 @@ EventWindow::EventWindow(const WindowConfig& config, Arena& arena) noexcept
 void EventWindow::add(const Event& event) noexcept {
   // No window reaches across such a gap.
   if (newest_us_ < event.t_us - max_age_us_) whole_from_ = added_;
-  events_[static_cast<std::size_t>(added_ % events_.size())] = {static_cast<std::uint32_t>(event.t_us),
-                                                                event.x, event.y};
+  events_[static_cast<std::size_t>(added_ % events_.size())] = WindowEvent(event);
   ++added_;
   newest_us_ = event.t_us;
 }
@@ -35,7 +34,7 @@ EventWindow::Selection EventWindow::select(std::int64_t begin_us, std::int64_t e
   const auto longest = static_cast<std::uint32_t>(end_us - oldest_us);
   // Walk back until an event is too old. Stored times wrap, but none of long ago can look young: since
   // whole_from_ two neighbours are at most max_age_us apart, so the walk meets an age between `longest` and
-  // 2 * max_age_us, far below 2^32, before ages wrap.
+  // 2 * max_age_us, far below 2^26, before ages wrap.
   const std::uint64_t since_gap = added_ - whole_from_;
   const std::uint64_t held = since_gap < events_.size() ? since_gap : events_.size();
   std::uint64_t count = 0;

@@ -10,11 +10,28 @@
 
 namespace egofocus {
 
-/// An event as the window keeps it: 8 bytes. Time is taken modulo 2^32 us, far more than a window is long.
-struct WindowEvent {
-  std::uint32_t t_low_us = 0;
-  std::uint16_t x = 0;
-  std::uint16_t y = 0;
+/// An event as the window keeps it: 6 bytes. Pixels below 2048; time modulo 2^26 us, far more than a window
+/// is long, with its upper bits beside the pixel's.
+class WindowEvent {
+ public:
+  static constexpr std::uint32_t kTimeMask = (1u << 26) - 1;
+
+  WindowEvent() noexcept = default;
+  explicit WindowEvent(const Event& event) noexcept
+      : t_(static_cast<std::uint16_t>(event.t_us)),
+        x_(static_cast<std::uint16_t>(event.x | (event.t_us >> 16 & 31) << 11)),
+        y_(static_cast<std::uint16_t>(event.y | (event.t_us >> 21 & 31) << 11)) {}
+
+  [[nodiscard]] std::uint16_t x() const noexcept { return x_ & 2047; }
+  [[nodiscard]] std::uint16_t y() const noexcept { return y_ & 2047; }
+  [[nodiscard]] std::uint32_t t_low_us() const noexcept {
+    return t_ | static_cast<std::uint32_t>(x_ >> 11) << 16 | static_cast<std::uint32_t>(y_ >> 11) << 21;
+  }
+
+ private:
+  std::uint16_t t_ = 0;
+  std::uint16_t x_ = 0;
+  std::uint16_t y_ = 0;
 };
 
 class EventWindow {
@@ -24,7 +41,7 @@ class EventWindow {
   /// Holds 4 * max_events; when more come within max_age_us the oldest are overwritten.
   EventWindow(const WindowConfig& config, Arena& arena) noexcept;
 
-  /// Times never go back (the filter sees to it). Thread: the tick. RT: yes.
+  /// Times never go back and pixels lie on the sensor (the filter sees to both). Thread: the tick. RT: yes.
   void add(const Event& event) noexcept;
 
   /// Events of one tick: those with begin_us <= t <= end_us, evenly decimated when there are more than
@@ -44,7 +61,7 @@ class EventWindow {
 
   /// How long before end_us an event lies. Thread: any. RT: yes.
   static std::uint32_t age_us(const WindowEvent& event, std::int64_t end_us) noexcept {
-    return static_cast<std::uint32_t>(end_us) - event.t_low_us;
+    return (static_cast<std::uint32_t>(end_us) - event.t_low_us()) & WindowEvent::kTimeMask;
   }
 
   /// Time of the newest event; INT64_MIN before the first. Thread: the tick.

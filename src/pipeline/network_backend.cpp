@@ -1,5 +1,6 @@
 #include "pipeline/network_backend.hpp"
 
+#include "pipeline/embedded_model.hpp"
 #include "pipeline/half_counts.hpp"
 #include "pipeline/in_parts.hpp"
 #include "pipeline/working_grid.hpp"
@@ -8,8 +9,9 @@ namespace egofocus {
 
 Status adopt_model(Config& config, Model& model_out) noexcept {
   if (config.backend != Backend::kNetwork) return {};
-  if (config.model.empty()) return {StatusCode::kBadModel, "backend network without a model (Config::model)"};
-  if (const Status status = read_model(config.model, model_out); !status.ok()) return status;
+  const std::span<const std::byte> bytes = config.model.empty() ? embedded_model() : config.model;
+  if (bytes.empty()) return {StatusCode::kBadModel, "Config::model is empty, and the library embeds none"};
+  if (const Status status = read_model(bytes, model_out); !status.ok()) return status;
   const ModelFacts& facts = model_out.facts;
   const Intrinsics grid = working_grid(config);
   if (facts.grid_width_px != 0 && grid.width_px != facts.grid_width_px)

@@ -13,9 +13,9 @@
 
 namespace egofocus {
 
-/// Reads Config::model into `model_out` and puts what the model dictates (ladder but z_near_m, max_events)
-/// into `config`. Errors: those of read_model(); kBadModel without bytes; kModelMismatch for another grid.
-/// Other backends: nothing to do. RT: no (set-up).
+/// Reads Config::model, or the embedded one, into `model_out` and puts what the model dictates (ladder but
+/// z_near_m, max_events) into `config`. Errors: those of read_model(); kBadModel without bytes;
+/// kModelMismatch for another grid. Other backends: nothing to do. RT: no (set-up).
 Status adopt_model(Config& config, Model& model_out) noexcept;
 
 /// What lives in some steps of a tick only; made before the warp, which takes its lines from it.

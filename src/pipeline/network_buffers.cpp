@@ -63,6 +63,8 @@ Network::Buffers::Buffers(const ModelFacts& facts, const Intrinsics& grid, int p
   change_id = plan.add(2 * dense(refine), kStepRefine, kStepRefine);
   refine_in_id = plan.add(refine_in.bytes(), kStepRefine, kStepRefine);
   for (std::int32_t& id : refine_id) id = plan.add(refine.bytes(), kStepRefine, kStepRefine);
+  index_id = plan.add(2 * dense(refine), kStepRefine, kStepRefine);
+  confidence_id = plan.add(dense(refine), kStepRefine, kStepRefine);
 }
 
 Network::Blocks Network::make_blocks(const Model& model, LayerRole role, std::int32_t count,
@@ -83,6 +85,7 @@ Network::Network(const Model& model, const Intrinsics& grid, const KernelTable& 
     return ConvLayer(model.layer(role, n), channels, kernels, arena);
   };
   const auto [w4, w8, w16] = facts_.widths;
+  arena.part(ArenaPart::kWeights);
   focus_layers_[0] = layer(LayerRole::kFocusCost, buffers.focus_in.channels);
   if (facts_.focus_layers == 2) focus_layers_[1] = layer(LayerRole::kFocusCost, facts_.cost_hidden, 1);
   mix_ = layer(LayerRole::kMix, buffers.mixed.channels);
@@ -139,8 +142,8 @@ Network::Network(const Model& model, const Intrinsics& grid, const KernelTable& 
   confidence_4_ = plan.arena(buffers.confidence_4_id).array<std::uint8_t>(cells_.size()).data();
   start_ = plan.arena(buffers.start_id).array<std::uint16_t>(halves_.size()).data();
   change_ = plan.arena(buffers.change_id).array<std::int16_t>(halves_.size()).data();
-  index_q8_ = arena.array<std::uint16_t>(halves_.size());
-  confidence_ = arena.array<std::uint8_t>(halves_.size());
+  index_q8_ = plan.arena(buffers.index_id).array<std::uint16_t>(halves_.size());
+  confidence_ = plan.arena(buffers.confidence_id).array<std::uint8_t>(halves_.size());
 }
 
 }  // namespace egofocus

@@ -23,14 +23,15 @@ Pipeline::Pipeline(const Config& config, const Model& model, const KernelTable& 
                    Arena& arena) noexcept
     : config_(config),
       grid_(working_grid(config)),
-      filter_(config, arena),
+      filter_(config, arena.part(ArenaPart::kWindow)),
       window_(config.window, arena),
-      ego_motion_(arena.object<EgoMotion>(config.motion)),
+      ego_motion_(arena.part(ArenaPart::kMotion).object<EgoMotion>(config.motion)),
       track_(arena.object<MotionTrack>()),
-      network_memory_(network_memory(config, model, arena)),
-      warp_(make_warp(config, kernels, network_memory_, arena)),
-      depth_decode_(grid_, arena),
-      carried_(config.carry, grid_, arena) {
+      network_memory_(network_memory(config, model, arena.part(ArenaPart::kBackend))),
+      warp_(make_warp(config, kernels, network_memory_, arena.part(ArenaPart::kWarp))),
+      depth_decode_(grid_, !network_memory_, arena.part(ArenaPart::kDepth)),
+      carried_(config.carry, grid_, warp_.scratch(), arena) {
+  arena.part(ArenaPart::kBackend);
   if (network_memory_) {
     network_.emplace(config, model, kernels, *network_memory_, arena);
   } else {

@@ -125,7 +125,7 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
     if (knot > MotionTrack::kKnots - 2) knot = MotionTrack::kKnots - 2;
     const MotionKnot motion = interpolate(track.knots[knot], track.knots[knot + 1], at - knot);
     const Ray& ray =
-        rays_[static_cast<std::size_t>(event.y) * static_cast<std::size_t>(sensor_width_) + event.x];
+        rays_[static_cast<std::size_t>(event.y()) * static_cast<std::size_t>(sensor_width_) + event.x()];
     const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, ladder.count);
     lines_.u_q16[i] = line.u_q16;
     lines_.v_q16[i] = line.v_q16;

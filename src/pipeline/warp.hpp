@@ -79,6 +79,8 @@ class Warp {
   [[nodiscard]] std::span<const std::uint8_t> planes() const noexcept {
     return stack_.first(static_cast<std::size_t>(used_) * pixels_);
   }
+  /// One value per grid pixel, all zero but during a vote: whoever borrows it leaves it so.
+  [[nodiscard]] std::span<std::uint32_t> scratch() const noexcept { return scratch_[0]; }
   /// Hypotheses of the last project(): planes 0 .. used() - 1 are filled by vote().
   [[nodiscard]] std::int32_t used() const noexcept { return used_; }
 

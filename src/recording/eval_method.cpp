@@ -1,5 +1,6 @@
 #include "recording/eval_method.hpp"
 
+#include <chrono>
 #include <limits>
 
 #include "pipeline/working_grid.hpp"
@@ -62,12 +63,15 @@ EvalMethod::EvalMethod(const std::string& name, const fs::path& recording, const
   Folder folder = adjusted_folder(recording, options);
   grid_ = working_grid(folder.camera.config);
   if (name == "focus" || name == "focus+sgm") {
+    folder.camera.config.backend = Backend::kFocus;
     folder.camera.config.focus.smoothing = name == "focus+sgm";
     replay_ = std::make_unique<Replay>(std::move(folder));
-  } else if (name == "network" && !options.model.empty()) {
-    model_.emplace(options.model);
+  } else if (name == "network" && (!options.model.empty() || default_backend() == Backend::kNetwork)) {
     folder.camera.config.backend = Backend::kNetwork;
-    folder.camera.config.model = model_->bytes();
+    if (!options.model.empty()) {
+      model_.emplace(options.model);
+      folder.camera.config.model = model_->bytes();
+    }
     replay_ = std::make_unique<Replay>(std::move(folder));
   } else if (name == "median") {
     set_constant(0);
@@ -80,7 +84,8 @@ EvalMethod::EvalMethod(const std::string& name, const fs::path& recording, const
   } else {
     throw Error(ExitCode::kUsage, "--methods",
                 "`" + name +
-                    "` is unknown, or lacks its input: network needs --model FILE, median-prior and "
+                    "` is unknown, or lacks its input: network needs --model FILE in a build that embeds "
+                    "none, median-prior and "
                     "rows need --prior FILE, maps needs --maps DIR.");
   }
 }
@@ -92,6 +97,15 @@ void EvalMethod::set_constant(double depth_m) {
 
 void EvalMethod::start(std::int64_t first_tick_us) {
   if (replay_) replay_->start(first_tick_us);
+}
+
+bool EvalMethod::tick() {
+  if (!replay_) return true;
+  const auto begin = std::chrono::steady_clock::now();
+  if (!replay_->tick(frame_)) return false;
+  const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
+  times_.add(frame_, spent.count());
+  return true;
 }
 
 DepthMap EvalMethod::map(const DepthTruth& truth, const CameraFile& camera) const {

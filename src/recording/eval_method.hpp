@@ -13,13 +13,14 @@
 #include "recording/depth_prior.hpp"
 #include "recording/model_file.hpp"
 #include "recording/replay.hpp"
+#include "recording/tick_times.hpp"
 
 namespace egofocus::recording {
 
 /// Names that `egofocus eval --methods` knows.
 ///   focus        the focus backend, argmax alone
 ///   focus+sgm    the focus backend with semi-global smoothing
-///   network      the network backend
+///   network      the network backend, with EvalOptions::model or the embedded model
 ///   median       the median of this recording's own truth: an oracle that no method has
 ///   median-prior the median of the training recordings
 ///   rows         one depth per row, from the training recordings
@@ -34,7 +35,7 @@ struct EvalOptions {
   std::size_t max_images = SIZE_MAX;  ///< of each recording, the first ones
   std::optional<DepthPrior> prior;    ///< for median-prior and rows
   std::filesystem::path maps;         ///< for maps: pictures named like the truth
-  std::filesystem::path model;        ///< for network: a model file
+  std::filesystem::path model;        ///< for network: a model file; empty: the embedded model
   /// Maps and masks, for numpy: each recording's folder appears there whole or not at all. Empty: nowhere.
   std::filesystem::path out;
   std::optional<MotionSource> motion;
@@ -74,7 +75,8 @@ class EvalMethod {
   }
 
   /// The next tick. False at the end of the recording; never without an engine.
-  bool tick() { return !replay_ || replay_->tick(frame_); }
+  bool tick();
+  [[nodiscard]] const TickTimes& times() const { return times_; }
 
   /// For the tick that the engines are at. Throws Error when a picture is missing or does not fit.
   [[nodiscard]] DepthMap map(const DepthTruth& truth, const CameraFile& camera) const;
@@ -83,6 +85,7 @@ class EvalMethod {
   std::optional<ModelFile> model_;
   std::unique_ptr<Replay> replay_;
   DepthFrame frame_;
+  TickTimes times_;
   int min_confidence_;
   Intrinsics grid_;
   std::vector<float> constant_m_;

@@ -237,6 +237,7 @@ SequenceScore evaluate(const fs::path& recording, const EvalOptions& options) {
     options.progress(result.images.size(), planned.size());
   }
   check_motion(replay);
+  for (std::size_t m = 0; m < result.methods.size(); ++m) result.methods[m].times = methods[m].times();
   if (out) out->finish();
   result.without_tick += planned.size() - result.images.size();
   return result;
@@ -279,6 +280,7 @@ SequenceScore overall(const std::vector<SequenceScore>& sequences) {
       sum.events_coverage.add(one.events_coverage);
       sum.images_with_estimate += one.images_with_estimate;
       sum.sparsification.add(one.sparsification);
+      sum.times.add(one.times);
     }
   }
   return all;

@@ -12,6 +12,7 @@
 #include "recording/depth_metrics.hpp"
 #include "recording/eval_method.hpp"
 #include "recording/sparsification.hpp"
+#include "recording/tick_times.hpp"
 
 namespace egofocus::recording {
 
@@ -54,6 +55,7 @@ struct MethodScore {
   std::size_t images_with_estimate = 0;
   /// Over all valid truth pixels with an estimate; no images where the method has no confidence.
   SparsificationMeans sparsification;
+  TickTimes times;  ///< of its engine, where it has one
 };
 
 /// One truth image and the tick that it was compared at.

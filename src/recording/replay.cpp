@@ -44,10 +44,11 @@ Replay::Replay(Folder folder) : folder_(std::move(folder)) {
   }
   scan_events();
   require(Engine::required_arena(config(), arena_bytes_), camera);
-  arena_.reset(std::aligned_alloc(64, arena_bytes_));
+  const std::size_t bytes = arena_bytes_.all;
+  arena_.reset(std::aligned_alloc(64, bytes));
   if (!arena_)
-    throw Error(ExitCode::kInternal, "no memory for an arena of " + std::to_string(arena_bytes_) + " bytes");
-  require(engine_.configure(config(), {static_cast<std::byte*>(arena_.get()), arena_bytes_}), camera);
+    throw Error(ExitCode::kInternal, "no memory for an arena of " + std::to_string(bytes) + " bytes");
+  require(engine_.configure(config(), {static_cast<std::byte*>(arena_.get()), bytes}), camera);
   source_ = std::make_unique<ReplaySource>(streams);
   require(engine_.attach(source_->source()), "replay", ExitCode::kInternal);
 }

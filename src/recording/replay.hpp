@@ -51,7 +51,7 @@ class Replay {
   [[nodiscard]] const Config& config() const { return folder_.camera.config; }
   [[nodiscard]] Engine& engine() { return engine_; }
   [[nodiscard]] ReplayCounters counters() const { return source_->counters(); }
-  [[nodiscard]] std::size_t arena_bytes() const { return arena_bytes_; }
+  [[nodiscard]] const ArenaBytes& arena_bytes() const { return arena_bytes_; }
   [[nodiscard]] std::int64_t first_event_us() const { return first_event_us_; }
   [[nodiscard]] std::int64_t last_event_us() const { return last_event_us_; }
   [[nodiscard]] std::uint64_t event_count() const { return event_count_; }
@@ -73,7 +73,7 @@ class Replay {
   std::int64_t last_event_us_ = 0;
   std::uint64_t event_count_ = 0;
   std::size_t cut_off_bytes_ = 0;
-  std::size_t arena_bytes_ = 0;
+  ArenaBytes arena_bytes_;
   std::unique_ptr<void, FreeArena> arena_;
   Engine engine_;  // last: it goes first
 };

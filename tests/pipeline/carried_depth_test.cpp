@@ -68,6 +68,10 @@ Shown show(CarriedDepth& carried, const MotionTrack& motion) {
   return out;
 }
 
+std::span<std::uint32_t> landed(Arena& arena) {
+  return arena.array<std::uint32_t>(static_cast<std::size_t>(kGrid.width_px * kGrid.height_px));
+}
+
 Status checked(std::int64_t max_age_us, double max_travel, double min_in_view) {
   return CarriedDepth::check({max_age_us, max_travel, min_in_view});
 }
@@ -137,14 +141,14 @@ TEST_CASE("each limit of carrying has its range") {
   CHECK(checked(1, 0.5, std::nan("")).code() == StatusCode::kBadCarry);
 }
 
-TEST_CASE("seven bytes per pixel, and none where nothing is carried") {
+TEST_CASE("three bytes per pixel, and none where nothing is carried") {
   Arena on;
-  const CarriedDepth carried({}, {346, 260, 226, 226, 173, 130}, on);
+  const CarriedDepth carried({}, {346, 260, 226, 226, 173, 130}, {}, on);
   const auto lines = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
   constexpr std::size_t pixels = 346 * 260;
-  CHECK(on.used_bytes() == lines(2 * pixels) + lines(pixels) + lines(4 * pixels));
+  CHECK(on.used_bytes() == lines(2 * pixels) + lines(pixels));
   Arena off;
-  CarriedDepth nothing({0, 0.5, 0.1}, kGrid, off);
+  CarriedDepth nothing({0, 0.5, 0.1}, kGrid, {}, off);
   CHECK(off.used_bytes() == 0);
   nothing.keep(Frame().frame, 0);
   CHECK_FALSE(nothing.kept());
@@ -152,7 +156,8 @@ TEST_CASE("seven bytes per pixel, and none where nothing is carried") {
 
 TEST_CASE("at a standstill depth stays as it is, and confidence falls evenly to the end") {
   test::RoomyArena arena;
-  CarriedDepth carried({2'000'000, 0.5, 0.1}, kGrid, *arena);
+  const std::span<std::uint32_t> borrowed = landed(*arena);
+  CarriedDepth carried({2'000'000, 0.5, 0.1}, kGrid, borrowed, *arena);
   CHECK_FALSE(show(carried, still(0, 0)).any);
   const Frame kept;
   carried.keep(kept.frame, 990'000);
@@ -167,6 +172,7 @@ TEST_CASE("at a standstill depth stays as it is, and confidence falls evenly to 
     const double expected = 255 * (1 - static_cast<double>(age_us) / 2e6);
     CHECK(static_cast<double>(shown.confidence[77]) >= expected);
     CHECK(static_cast<double>(shown.confidence[77]) <= expected + 2);
+    CHECK(std::count(borrowed.begin(), borrowed.end(), 0u) == kGrid.width_px * kGrid.height_px);
   }
   CHECK(carried.kept());
   CHECK_FALSE(show(carried, still(1'000'000, 2'990'000)).any);
@@ -175,7 +181,7 @@ TEST_CASE("at a standstill depth stays as it is, and confidence falls evenly to 
 
 TEST_CASE("a frame with less parallax takes the place of a stronger one when that has aged by as much") {
   test::RoomyArena arena;
-  CarriedDepth carried({30'000'000, 0.5, 0.1}, kGrid, *arena);
+  CarriedDepth carried({30'000'000, 0.5, 0.1}, kGrid, landed(*arena), *arena);
   Frame strong;
   Frame weak;
   strong.frame.parallax_px = 40;
@@ -198,7 +204,7 @@ TEST_CASE("a frame with less parallax takes the place of a stronger one when tha
 
 TEST_CASE("a turn of a hundred steps shows what one step shows: nothing adds up") {
   test::RoomyArena arena;
-  CarriedDepth carried({30'000'000, 0.5, 0}, kGrid, *arena);
+  CarriedDepth carried({30'000'000, 0.5, 0}, kGrid, landed(*arena), *arena);
   const Frame kept;
   carried.keep(kept.frame, 1'000'000);
   const Shown once = show(carried, moving(1'000'000, 2'000'000, 0.25, 0));
@@ -218,7 +224,7 @@ TEST_CASE("a turn of a hundred steps shows what one step shows: nothing adds up"
 
 TEST_CASE("carrying ends out of the picture, comes back with it, and ends where the way is too long") {
   test::RoomyArena arena;
-  CarriedDepth carried({30'000'000, 0.5, 0.3}, kGrid, *arena);
+  CarriedDepth carried({30'000'000, 0.5, 0.3}, kGrid, landed(*arena), *arena);
   const Frame kept;  // depths of 1.15 to 10 m
   carried.keep(kept.frame, 1'000'000);
   CHECK(show(carried, moving(1'000'000, 1'100'000, 0.3, 0)).any);  // of 42 degrees

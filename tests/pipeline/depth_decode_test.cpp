@@ -28,7 +28,7 @@ struct Picture {
 
 Picture decode(const Intrinsics& grid, const Cells& cells, int threads) {
   test::RoomyArena arena;
-  DepthDecode decoder(grid, *arena);
+  DepthDecode decoder(grid, true, *arena);
   WorkerPool pool;
   REQUIRE(pool.start(threads, 0, -1).ok());
   const auto pixels = static_cast<std::size_t>(grid.width_px * grid.height_px);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 
+#include "pipeline/model.hpp"
 #include "pipeline/model_bytes.hpp"
 #include "support/engine_in_block.hpp"
 #include "support/frame_hash.hpp"
@@ -28,6 +29,12 @@ Config config_with(const test::ModelMemory& model) {
   return config;
 }
 
+// The check sum agrees again.
+void reseal(std::string& file) {
+  const std::uint32_t crc = crc32(std::as_bytes(std::span(file)).subspan(20));
+  for (std::size_t i = 0; i < 4; ++i) file[16 + i] = static_cast<char>(crc >> (8 * i));
+}
+
 Status refusal(const Config& config) {
   std::size_t bytes = 1;
   const Status status = Engine::required_arena(config, bytes);
@@ -35,6 +42,7 @@ Status refusal(const Config& config) {
   alignas(64) static std::byte block[64];
   Engine engine;
   CHECK(engine.configure(config, block).code() == status.code());
+  CHECK(engine.start(ClockKind::kVirtual, 0).code() == StatusCode::kBadState);  // nothing is half-started
   return status;
 }
 
@@ -88,11 +96,9 @@ TEST_CASE("the model's ladder is used, and neither threads nor instruction sets 
   CHECK(run(config).hash.value() == one.hash.value());
 }
 
-TEST_CASE("a missing, damaged or misplaced model is refused with its cause") {
+TEST_CASE("a damaged or misplaced model is refused with its cause") {
   const test::ModelMemory sound(model_file());
   Config config = config_with(sound);
-  config.model = {};
-  CHECK(refusal(config).code() == StatusCode::kBadModel);
   config.model = sound.bytes().first(1000);
   CHECK(std::string(refusal(config).subject()) == "cut short");
   const test::ModelMemory shifted("x" + model_file());
@@ -104,6 +110,36 @@ TEST_CASE("a missing, damaged or misplaced model is refused with its cause") {
   CHECK(std::string(refusal(config_with(damaged)).subject()) == "damaged (check sum)");
 }
 
+TEST_CASE("a model of another version, or with an unknown operator, is refused with both numbers") {
+  const auto refused = [](std::size_t at, char value) {
+    std::string file = model_file();
+    file[at] = value;
+    reseal(file);
+    const test::ModelMemory model(file);
+    return refusal(config_with(model));
+  };
+  const Status version = refused(8, 9);
+  CHECK(version.code() == StatusCode::kUnsupportedModel);
+  CHECK(version.value() == 9);
+  CHECK(version.bound() == Model::kVersion);
+  const std::string file = model_file();
+  const Status op = refused(read_u32(std::as_bytes(std::span(file)), 32 + 2 * 16 + 8), 77);
+  CHECK(std::string(op.subject()) == "operator");
+  CHECK(op.value() == 77);
+}
+
+TEST_CASE("a ladder that cannot be is refused, though the model's would take its place") {
+  const test::ModelMemory model(model_file());
+  Config config = config_with(model);
+  config.ladder.hypotheses = 65;
+  const Status status = refusal(config);
+  CHECK(status.code() == StatusCode::kBadLadder);
+  CHECK(status.value() == 65);
+  config = config_with(model);
+  config.window.max_events = 0;
+  CHECK(refusal(config).code() == StatusCode::kBadWindow);
+}
+
 TEST_CASE("a model for another grid is refused with both sizes") {
   std::string file = model_file();
   const std::size_t facts = read_u32(std::as_bytes(std::span(file)), 32 + 8);
@@ -113,7 +149,7 @@ TEST_CASE("a model for another grid is refused with both sizes") {
   const Intrinsics camera = SlidingScene::config().camera.intrinsics;
   put(facts + 56, static_cast<std::uint32_t>(camera.width_px));
   put(facts + 60, static_cast<std::uint32_t>(camera.height_px) + 4);
-  put(16, crc32(std::as_bytes(std::span(file)).subspan(20)));
+  reseal(file);
   const test::ModelMemory model(file);
   const Status status = refusal(config_with(model));
   CHECK(status.code() == StatusCode::kModelMismatch);
@@ -133,16 +169,4 @@ TEST_CASE("an arena one byte too small names the bytes") {
   CHECK(small.code() == StatusCode::kArenaTooSmall);
   CHECK(small.bound() == static_cast<std::int64_t>(bytes));
   CHECK(engine.configure(config, block.span()).ok());
-}
-
-TEST_CASE("the arena's size with a network is what it is: growth has to be meant") {
-  const test::ModelMemory model(model_file());
-  Config config;
-  config.camera.intrinsics = {346, 260, 250, 250, 172.5, 129.5};
-  config.backend = Backend::kNetwork;
-  config.model = model.bytes();
-  config.isa_mask = 0;  // each body packs its weights otherwise
-  std::size_t bytes = 0;
-  REQUIRE(Engine::required_arena(config, bytes).ok());
-  if (sizeof(void*) == 8) CHECK(bytes == 9908608u);
 }

@@ -10,7 +10,13 @@ run 0 'Examples:' --help
 run 0 '^egofocus [0-9]+\.[0-9]+' --version
 run 2 'subcommand is required'
 run 2 'Run with --help' frobnicate
-run 2 'FILE is required' info
+run 0 'kind +model' info
+run 2 'is for --backend network alone' replay "$fixtures/planes" --backend focus --model x.efm
+run 2 'are for --backend focus alone' replay "$fixtures/planes" --backend network --cost sti
+run 2 'no other one beside' replay "$fixtures/planes" --no-smoothing --with-focus
+run 0 'conv_u8s8 ' replay "$fixtures/planes" --first-tick-us 900000 --ticks 1 --model "$fixtures/network/model.efm"
+run 0 'backend +focus' replay "$fixtures/planes" --first-tick-us 900000 --ticks 1 --cost sti
+run 3 'nowhere.efm' replay "$fixtures/planes" --model "$work/nowhere.efm"
 run 3 'nowhere: cannot be read' info "$work/nowhere"
 run 0 '"events": 408074,' info "$fixtures/planes" --json
 run 0 'BODY_MOTION' info "$fixtures/planes/vehicle.dbc"

@@ -73,8 +73,10 @@ double velocity_error(const DepthFrame& frame, const sim::Vec3& truth) {
 void replay_fixture(MotionSource source, const char* name) {
   sim::PlaneSimulator simulator;
   const std::vector<PoseSample> poses = simulator.poses();
-  recording::Replay replay(recording::open_folder(
-      std::filesystem::path(egofocus::test::source_dir()) / "fixtures/planes", source));
+  recording::Folder folder =
+      recording::open_folder(std::filesystem::path(egofocus::test::source_dir()) / "fixtures/planes", source);
+  folder.camera.config.backend = Backend::kFocus;
+  recording::Replay replay(std::move(folder));
   replay.start(sim::PlaneSimulator::kTickPeriodUs);
 
   struct PhaseResult {

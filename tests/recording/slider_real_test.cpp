@@ -65,6 +65,7 @@ struct Outcome {
 Outcome replay_slider(const std::filesystem::path& recording, FocusCost cost, std::int64_t max_age_us,
                       const std::vector<float>& reference) {
   Folder folder = open_folder(recording);
+  folder.camera.config.backend = Backend::kFocus;
   folder.camera.config.focus.cost = cost;
   folder.camera.config.window.max_age_us = max_age_us;
   Replay replay(std::move(folder));

@@ -24,7 +24,9 @@ struct Found {
 };
 
 Found replay_at(const std::vector<std::int64_t>& times, MotionSource source) {
-  Replay replay(open_folder(planes(), source));
+  Folder folder = open_folder(planes(), source);
+  folder.camera.config.backend = Backend::kFocus;
+  Replay replay(std::move(folder));
   replay.start(times.front());
   Found found;
   for (const std::int64_t t_us : times) {

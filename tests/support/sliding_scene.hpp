@@ -30,6 +30,7 @@ class SlidingScene {
 
   static Config config() {
     Config config;
+    config.backend = Backend::kFocus;
     config.camera.intrinsics = {kWidth, kHeight, kFocal_px, kFocal_px, 31.5, 23.5};
     config.ladder.hypotheses = 32;
     config.ladder.z_near_m = 0.5;

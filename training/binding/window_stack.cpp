@@ -96,11 +96,11 @@ ClassicalDepth WindowStack::classical(bool smoothing) {
   config.focus.smoothing = smoothing;
   Arena counter;
   const Focus counted(config, 1, counter);
-  const DepthDecode decode_counted(config.grid, counter);
+  const DepthDecode decode_counted(config.grid, true, counter);
   const ArenaMemory memory(counter.used_bytes());
   Arena arena(memory.span());
   Focus focus(config, 1, arena);
-  DepthDecode decode(config.grid, arena);
+  DepthDecode decode(config.grid, true, arena);
   const auto pixels =
       static_cast<std::size_t>(config.grid.width_px) * static_cast<std::size_t>(config.grid.height_px);
   ClassicalDepth out{std::vector<std::uint16_t>(pixels), std::vector<std::uint8_t>(pixels)};

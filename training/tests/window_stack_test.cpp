@@ -20,8 +20,10 @@ using training::WindowStack;
 namespace {
 
 recording::Folder planes(MotionSource source) {
-  return recording::open_folder(std::filesystem::path(egofocus::test::source_dir()) / "fixtures/planes",
-                                source);
+  recording::Folder folder =
+      recording::open_folder(std::filesystem::path(egofocus::test::source_dir()) / "fixtures/planes", source);
+  folder.camera.config.backend = Backend::kFocus;  // what the stack itself has
+  return folder;
 }
 
 /// The Engine's frame and the stack's own depth are the same bytes.

@@ -1,0 +1,97 @@
+// The model inside the library, and what an engine takes that is asked for nothing else.
+#include "pipeline/embedded_model.hpp"
+
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "kernels/isa.hpp"
+#include "pipeline/model.hpp"
+#include "support/engine_in_block.hpp"
+#include "support/network_vectors.hpp"
+#include "support/source_dir.hpp"
+
+using namespace egofocus;
+
+namespace {
+
+Config davis() {
+  Config config;
+  config.camera.intrinsics = {346, 260, 250, 250, 172.5, 129.5};
+  return config;
+}
+
+ArenaBytes arena_of(const Config& config) {
+  ArenaBytes bytes;
+  REQUIRE(Engine::required_arena(config, bytes).ok());
+  CHECK(bytes.all == bytes.engine + bytes.rings + bytes.window + bytes.motion + bytes.warp + bytes.backend +
+                         bytes.weights + bytes.depth);
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("the network is the default backend where a model is embedded, and only there") {
+  const bool embedded = !embedded_model().empty();
+  CHECK(Config{}.backend == (embedded ? Backend::kNetwork : Backend::kFocus));
+  Config config = davis();
+  config.backend = Backend::kNetwork;
+  std::size_t bytes = 0;
+  const Status status = Engine::required_arena(config, bytes);
+  if (embedded) {
+    CHECK(status.ok());
+  } else {
+    CHECK(status.code() == StatusCode::kBadModel);
+    CHECK(std::string(status.subject()).find("embeds none") != std::string::npos);
+  }
+}
+
+#ifdef EGOFOCUS_TEST_EMBEDDED_MODEL
+TEST_CASE("the embedded model is the file, where a loader wants it, and loads") {
+  const std::string file = test::file_bytes(EGOFOCUS_TEST_EMBEDDED_MODEL);
+  REQUIRE(embedded_model().size() == file.size());
+  CHECK(std::memcmp(embedded_model().data(), file.data(), file.size()) == 0);
+  CHECK(reinterpret_cast<std::uintptr_t>(embedded_model().data()) % Model::kAlignment == 0);
+  const auto model = std::make_unique<Model>();
+  CHECK(read_model(embedded_model(), *model).ok());
+}
+#endif
+
+TEST_CASE("the arena of the shipped model is what it is, and at most 10 MB without its rings") {
+  const test::ModelMemory base(test::file_bytes(test::source_dir() + "/models/base/base.efm"));
+  Config config = davis();
+  config.backend = Backend::kNetwork;
+  config.model = base.bytes();
+  for (const Isa isa : kEveryIsa) {
+    config.isa_mask = isa_bit(isa);
+    const ArenaBytes bytes = arena_of(config);
+    INFO(isa_name(isa));
+    CHECK(bytes.all - bytes.rings <= 10'000'000);
+  }
+  config.isa_mask = 0;  // each body packs its weights otherwise
+  const ArenaBytes bytes = arena_of(config);
+  CHECK(bytes.window == 1920000u);
+  CHECK(bytes.backend == 3736256u);
+  CHECK(bytes.weights == 1371456u);
+  CHECK(bytes.depth == 1079808u);
+  if (sizeof(void*) == 8) {
+    CHECK(bytes.all == 11045696u);
+    CHECK(bytes.all - bytes.rings == 9775936u);
+  }
+}
+
+TEST_CASE("an engine says which kernels it runs with which instruction sets") {
+  const test::ModelMemory small(test::file_bytes(test::source_dir() + "/fixtures/network/model.efm"));
+  Config config = davis();
+  config.isa_mask = 0;
+  config.backend = Backend::kFocus;
+  test::EngineInBlock focus(config);
+  REQUIRE(focus.status.ok());
+  CHECK(std::string(focus->isa()) == "warp_vote scalar");
+  config.backend = Backend::kNetwork;
+  config.model = small.bytes();
+  test::EngineInBlock network(config);
+  REQUIRE(network.status.ok());
+  CHECK(std::string(network->isa()) == "warp_vote scalar, conv_u8s8 scalar");
+}
