@@ -40,6 +40,11 @@ ROWS
     qemu) echo "qemu-user qemu-aarch64,qemu-aarch64-static" ;;
     aarch64) echo "g++-aarch64-linux-gnu aarch64-linux-gnu-g++" ;;
     armv7) echo "g++-arm-linux-gnueabihf arm-linux-gnueabihf-g++" ;;
+    count) cat <<'ROWS'
+clang-19 clang++-19,clang++
+llvm-19 llvm-mca-19,llvm-mca
+ROWS
+      ;;
     install) echo "pkg-config pkg-config" ;;
     training) cat <<'ROWS'
 pybind11-dev /usr/include/pybind11/pybind11.h,/usr/local/include/pybind11/pybind11.h

@@ -151,15 +151,16 @@ struct Tile {
   EGOFOCUS_INLINE void leave(ByteLeaving& leaving, const float* scales) const noexcept {
     constexpr int kHalves = kColumns / kAtOnce;
     int8x16_t bytes[kPairs][kHalves];  // two outputs of a pixel, two of the next one
+    Quads<kColumns> both;
+    twice(scales, both);
+    float32x4_t scale[kColumns];
     EGOFOCUS_UNROLL
-    for (int half = 0; half < kHalves; ++half) {
-      Quads<kAtOnce> both;
-      twice(scales + 8 * half, both);
-      float32x4_t scale[kAtOnce];
+    for (int o = 0; o < kColumns; ++o) scale[o] = vreinterpretq_f32_s8(both.at[o]);
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPairs; ++p) {
       EGOFOCUS_UNROLL
-      for (int o = 0; o < kAtOnce; ++o) scale[o] = vreinterpretq_f32_s8(both.at[o]);
-      EGOFOCUS_UNROLL
-      for (int p = 0; p < kPairs; ++p) bytes[p][half] = narrow_units<kAtOnce>(acc[p] + kAtOnce * half, scale);
+      for (int half = 0; half < kHalves; ++half)
+        bytes[p][half] = narrow_units<kAtOnce>(acc[p] + kAtOnce * half, scale + kAtOnce * half);
     }
     EGOFOCUS_UNROLL
     for (int p = 0; p < kPairs; ++p) {
