@@ -40,6 +40,11 @@ ROWS
     qemu) echo "qemu-user qemu-aarch64,qemu-aarch64-static" ;;
     aarch64) echo "g++-aarch64-linux-gnu aarch64-linux-gnu-g++" ;;
     armv7) echo "g++-arm-linux-gnueabihf arm-linux-gnueabihf-g++" ;;
+    count) cat <<'ROWS'
+clang-19 clang++-19,clang++
+llvm-19 llvm-mca-19,llvm-mca
+ROWS
+      ;;
     install) echo "pkg-config pkg-config" ;;
     bench) cat <<'ROWS'
 libbenchmark-dev /usr/include/benchmark/benchmark.h,/usr/local/include/benchmark/benchmark.h

@@ -47,6 +47,14 @@ inline constexpr ConvLayer kConvLayers[] = {
     {"refine_3x3_16_1", 16, 1, 3, 1, 1, 130, 173, ConvEpilogue::kScore, 1},
 };
 
+/// The shapes at which inference engines were counted on ARM (docs/kernels-conv.md).
+inline constexpr ConvLayer kComparedConvLayers[] = {
+    {"3x3_32_32", 32, 32, 3, 1, 1, 66, 88, ConvEpilogue::kRelu, 0},
+    {"3x3_64_64", 64, 64, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 0},
+    {"1x1_64_64", 64, 64, 1, 1, 1, 33, 44, ConvEpilogue::kRelu, 0},
+    {"3x3s2_32_64", 32, 64, 3, 2, 1, 33, 44, ConvEpilogue::kRelu, 0},
+};
+
 /// One layer with random operands and a border of zeros, packed for one variant.
 class ConvLoad {
  public:

@@ -1,7 +1,7 @@
 // Four ways to bring int32 accumulators to u8 (zero point 0), each with a scale per lane. Candidate "float"
 // became the rule (src/kernels/requant.hpp); the others stay for the table in docs/kernels-requant.md. Every
 // body is one straight loop, so that its instructions can be counted in the object code
-// (count_loop_instructions.py).
+// (model_loops.py --count).
 #pragma once
 
 #include <cstdint>

@@ -156,10 +156,10 @@ template <int kPixels, int kTiles>
 constexpr ConvBlockWidths widths() noexcept {
   return {kPixels,
           kPixels - 1,
-          sums_of<kPixels, kTiles>,
-          sums_of<kPixels - 1, kTiles>,
-          sums_of<kPixels / 2, kTiles>,
-          sums_of<1, kTiles>};
+          by_memory<sums_of<kPixels, kTiles>, kPixels>,
+          by_memory<sums_of<kPixels - 1, kTiles>, kPixels - 1>,
+          by_memory<sums_of<kPixels / 2, kTiles>, kPixels / 2>,
+          by_memory<sums_of<1, kTiles>, 1>};
 }
 
 // 32 registers: the sums, a group's weights, one pixel.

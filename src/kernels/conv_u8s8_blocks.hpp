@@ -61,14 +61,18 @@ struct ConvLeaving {
 using ConvSumsFunction = void(const ConvBlock& block) noexcept;
 using ConvLeaveFunction = void(const ConvLeaving& leaving) noexcept;
 
+struct ConvPlan;
+/// Neighbouring blocks of a row, one after the other; moves the plan's pointers on.
+using ConvBlocksFunction = void(ConvPlan& plan, std::int32_t blocks) noexcept;
+
 /// Blocks of one number of units. `pixels` is the widest; the others are for what it leaves over.
 struct ConvBlockWidths {
   std::int32_t pixels;
   std::int32_t fewer;  // pixels of `narrower`
-  ConvSumsFunction* widest;
-  ConvSumsFunction* narrower;
-  ConvSumsFunction* half;
-  ConvSumsFunction* single;
+  ConvBlocksFunction* widest;
+  ConvBlocksFunction* narrower;
+  ConvBlocksFunction* half;
+  ConvBlocksFunction* single;
 };
 
 /// A unit is what a block's outputs are counted in: a packed tile, or, where a tile is all that a block can
@@ -133,10 +137,28 @@ struct ConvRowRuns {
 /// A call's rows for the outputs of one width of block.
 struct ConvPlan {
   const ConvBlockWidths* widths;
+  ConvEpilogue epilogue;
   ConvLeaveFunction* leave;
   ConvBlock block;
   ConvLeaving leaving;
 };
+
+inline void conv_move_on(ConvPlan& plan, std::int32_t pixels) noexcept {
+  plan.block.input += pixels * plan.block.pixel_step;
+  plan.leaving.output += pixels * plan.leaving.output_step;
+  if (plan.leaving.addend != nullptr) plan.leaving.addend += pixels * plan.leaving.addend_step;
+}
+
+/// The blocks of a body whose sums go through memory.
+template <ConvSumsFunction* kSums, std::int32_t kPixels>
+void by_memory(ConvPlan& plan, std::int32_t blocks) noexcept {
+  plan.leaving.pixels = kPixels;
+  for (; blocks > 0; --blocks) {
+    kSums(plan.block);
+    plan.leave(plan.leaving);
+    conv_move_on(plan, kPixels);
+  }
+}
 
 inline void conv_row(ConvPlan& plan, std::int32_t columns) noexcept {
   const ConvBlockWidths& widths = *plan.widths;
@@ -144,30 +166,34 @@ inline void conv_row(ConvPlan& plan, std::int32_t columns) noexcept {
   // Blocks a little narrower than the widest lose next to nothing; a narrow rest would.
   const std::int32_t missing = blocks * widths.pixels - columns;
   const std::int32_t less = widths.pixels - widths.fewer;
-  std::int32_t narrower = missing % less == 0 && missing / less <= blocks ? missing / less : 0;
-  std::int32_t left = columns;
-  while (left > 0) {
-    std::int32_t pixels = 1;
-    ConvSumsFunction* run = widths.single;
-    if (narrower > 0) {
-      --narrower;
-      pixels = widths.fewer;
-      run = widths.narrower;
-    } else if (left >= widths.pixels) {
-      pixels = widths.pixels;
-      run = widths.widest;
-    } else if (left >= widths.pixels / 2) {
-      pixels = widths.pixels / 2;
-      run = widths.half;
-    }
-    run(plan.block);
-    plan.leaving.pixels = pixels;
-    plan.leave(plan.leaving);
-    plan.block.input += pixels * plan.block.pixel_step;
-    plan.leaving.output += pixels * plan.leaving.output_step;
-    if (plan.leaving.addend != nullptr) plan.leaving.addend += pixels * plan.leaving.addend_step;
-    left -= pixels;
-  }
+  const std::int32_t narrower = missing % less == 0 && missing / less <= blocks ? missing / less : 0;
+  std::int32_t left = columns - narrower * widths.fewer;
+  if (narrower > 0) widths.narrower(plan, narrower);
+  if (left >= widths.pixels) widths.widest(plan, left / widths.pixels);
+  left %= widths.pixels;
+  const std::int32_t half = widths.pixels / 2;
+  if (left >= half) widths.half(plan, left / half);
+  if (left % half != 0) widths.single(plan, left % half);
+}
+
+/// All of a call's rows as a single one, where they follow each other without a gap and nothing looks beside
+/// it.
+inline ConvU8S8 conv_as_one_row(const ConvU8S8& conv) noexcept {
+  const auto follow = [&](std::int32_t row, std::int32_t pixel) { return row == conv.columns * pixel; };
+  const bool add = conv.epilogue == ConvEpilogue::kAdd;
+  if (conv.side != 1 || conv.stride != 1 || !follow(conv.input_row_stride, conv.input_pixel_stride) ||
+      !follow(conv.output_row_stride, conv.output_pixel_stride) ||
+      (add && !follow(conv.addend_row_stride, conv.addend_pixel_stride)))
+    return conv;
+  ConvU8S8 row = conv;
+  row.input += std::int64_t{conv.first_row} * conv.input_row_stride;
+  if (add) row.addend += std::int64_t{conv.first_row} * conv.addend_row_stride;
+  row.output =
+      static_cast<std::uint8_t*>(conv.output) + std::int64_t{conv.first_row} * conv.output_row_stride;
+  row.columns = conv.columns * conv.rows;
+  row.first_row = 0;
+  row.rows = 1;
+  return row;
 }
 
 inline void conv_rows(const ConvU8S8& conv, ConvPlan& plan, std::int32_t first_output) noexcept {
@@ -189,13 +215,15 @@ inline void conv_rows(const ConvU8S8& conv, ConvPlan& plan, std::int32_t first_o
   plan.block.runs = runs;
 }
 
-inline void conv_by_blocks(const ConvU8S8& conv, const ConvBody& body) noexcept {
+inline void conv_by_blocks(const ConvU8S8& given, const ConvBody& body) noexcept {
+  const ConvU8S8 conv = conv_as_one_row(given);
   const std::int32_t tile = body.packing.tile_outputs;
   const std::int32_t inputs = body.packing.group_inputs;
   const std::int64_t groups = (conv.in_channels + inputs - 1) / inputs;
   const ConvRuns runs = conv_runs(conv, inputs);
   alignas(64) std::int32_t sums[kMostBlockSums];
   ConvPlan plan{};
+  plan.epilogue = conv.epilogue;
   plan.leave = body.leave[static_cast<int>(conv.epilogue)];
   plan.block.pixel_step = std::int64_t{conv.stride} * conv.input_pixel_stride;
   plan.block.tile_stride = conv.side * conv.side * groups * inputs * tile;

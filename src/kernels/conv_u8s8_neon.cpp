@@ -1,10 +1,10 @@
-#include "kernels/conv_u8s8_neon_leave.inc"
+#include "kernels/conv_u8s8_neon.inc"
 
 namespace egofocus {
 namespace {
 
-/// A register of partial sums for each pixel and output: sixteen products are two multiplications into 16
-/// bits (bytes up to 127: two products fit) and one pairwise addition into 32. Tiles of four outputs.
+/// Sixteen products are two multiplications into 16 bits (bytes up to 127: two products fit) and one pairwise
+/// addition into 32.
 #if defined(__aarch64__)
 inline int16x8_t products_16(int8x16_t x, int8x16_t w) noexcept {
   return vmlal_high_s8(vmull_s8(vget_low_s8(x), vget_low_s8(w)), x, w);
@@ -27,118 +27,126 @@ inline int32x4_t across(const int32x4_t* acc) noexcept {
 }
 #endif
 
-template <int kPixels>
-struct Sums {
+/// Four outputs of two neighbouring pixels.
+template <bool kAdd>
+EGOFOCUS_INLINE void leave_two(ByteLeaving& leaving, int8x8_t bytes) noexcept {
+  if constexpr (kAdd) {
+    const int32x2_t x = vreinterpret_s32_s8(four_bytes(with_sign(leaving.addend)));
+    const int32x2_t y = vreinterpret_s32_s8(four_bytes(with_sign(leaving.addend + leaving.addend_step)));
+    bytes = vqadd_s8(bytes, vreinterpret_s8_s32(vset_lane_s32(vget_lane_s32(y, 0), x, 1)));
+    leaving.addend += 2 * leaving.addend_step;
+  }
+  bytes = vmax_s8(bytes, vdup_n_s8(leaving.least));
+  store_four(leaving.output, bytes);
+  store_four(leaving.output + leaving.output_step, vext_s8(bytes, bytes, 4));
+  leaving.output += 2 * leaving.output_step;
+}
+
+/// A register of partial sums for each pixel and output.
+template <int kPixelCount, int kUnitCount>
+struct Tile {
+  static constexpr int kPixels = kPixelCount;
+  static constexpr int kUnits = kUnitCount;
+  static_assert(kUnits == 1);
   int32x4_t acc[kPixels][4];
-};
+  int32x4_t bias;
 
-template <int kPixels>
-inline void add_8(Sums<kPixels>& sums, const int8x8_t* x, const std::int8_t* weights) noexcept {
-  EGOFOCUS_UNROLL
-  for (int o = 0; o < 4; ++o) {
-    const int8x8_t w = vld1_s8(weights + 16 * o);
+  EGOFOCUS_INLINE void start(const std::int32_t* of_outputs) noexcept { bias = vld1q_s32(of_outputs); }
+
+  EGOFOCUS_INLINE int32x4_t sum(int p) const noexcept { return vaddq_s32(across(acc[p]), bias); }
+
+  /// The first sixteen inputs of a block need no zeros to be added to.
+  template <bool kFirst>
+  EGOFOCUS_INLINE void add_16(const std::int8_t* const* input, std::int64_t i,
+                              const std::int8_t*& weights) noexcept {
+    int8x16_t x[kPixels];
     EGOFOCUS_UNROLL
-    for (int p = 0; p < kPixels; ++p) sums.acc[p][o] = vpadalq_s16(sums.acc[p][o], vmull_s8(x[p], w));
-  }
-}
-
-/// Runs of eight inputs.
-template <int kPixels>
-inline void add_runs_of_8(Sums<kPixels>& sums, const ConvBlock& block, const std::int8_t* weights) noexcept {
-  const std::int8_t* input[kPixels];
-  EGOFOCUS_UNROLL
-  for (int p = 0; p < kPixels; ++p) input[p] = with_sign(block.input + p * block.pixel_step);
-  for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    const std::int64_t i = block.runs->offset[run];
-    int8x8_t x[kPixels];
-    EGOFOCUS_UNROLL
-    for (int p = 0; p < kPixels; ++p) x[p] = vld1_s8(input[p] + i);
-    add_8(sums, x, weights);
-    weights += 64;
-  }
-}
-
-template <int kPixels>
-inline void add_runs(Sums<kPixels>& sums, const ConvBlock& block, const std::int8_t* weights) noexcept {
-  const std::int8_t* input[kPixels];
-  EGOFOCUS_UNROLL
-  for (int p = 0; p < kPixels; ++p) input[p] = with_sign(block.input + p * block.pixel_step);
-  for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    std::int64_t i = block.runs->offset[run];
-    const std::int64_t end = i + block.runs->channels;
-    const std::int64_t last = end - 16;
-    for (; i <= last; i += 16) {
-      int8x16_t x[kPixels];
-      EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) x[p] = vld1q_s8(input[p] + i);
-      EGOFOCUS_UNROLL
-      for (int o = 0; o < 4; ++o) {
-        const int8x16_t w = vld1q_s8(weights + 16 * o);
-        EGOFOCUS_UNROLL
-        for (int p = 0; p < kPixels; ++p) sums.acc[p][o] = vpadalq_s16(sums.acc[p][o], products_16(x[p], w));
-      }
-      weights += 64;
-    }
-    if (i == end) continue;
-    int8x8_t x[kPixels];
-    if (end - i >= 8) {
-      EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) x[p] = vld1_s8(input[p] + i);
-      add_8(sums, x, weights);
-    }
-    if ((end - i) % 8 != 0) {
-      const std::int64_t first = end - 4 - i;  // 0 or 8
-      EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) x[p] = four_bytes(input[p] + i + first);
-      add_8(sums, x, weights + first);
-    }
-    weights += 64;
-  }
-}
-
-template <int kPixels, int kTiles>
-void sums_of(const ConvBlock& block) noexcept {
-  for (int t = 0; t < kTiles; ++t) {
-    Sums<kPixels> sums;
+    for (int p = 0; p < kPixels; ++p) x[p] = vld1q_s8(input[p] + i);
     EGOFOCUS_UNROLL
     for (int o = 0; o < 4; ++o) {
+      const int8x16_t w = vld1q_s8(weights);
+      go_on(weights, 16);
       EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) sums.acc[p][o] = vdupq_n_s32(0);
+      for (int p = 0; p < kPixels; ++p) {
+        const int16x8_t products = products_16(x[p], w);
+        acc[p][o] = kFirst ? vpaddlq_s16(products) : vpadalq_s16(acc[p][o], products);
+      }
     }
-    const std::int8_t* weights = block.weights + t * block.tile_stride;
-    if (block.runs->channels == 8) {
-      add_runs_of_8(sums, block, weights);
-    } else {
-      add_runs(sums, block, weights);
-    }
-    const int32x4_t bias = vld1q_s32(block.bias + 4 * t);
-    EGOFOCUS_UNROLL
-    for (int p = 0; p < kPixels; ++p)
-      vst1q_s32(block.sums + 4 * (p * kTiles + t), vaddq_s32(across(sums.acc[p]), bias));
   }
-}
 
-template <int kPixels, int kTiles>
-constexpr ConvBlockWidths widths() noexcept {
-  return {kPixels,
-          kPixels - 1,
-          sums_of<kPixels, kTiles>,
-          sums_of<kPixels - 1, kTiles>,
-          sums_of<kPixels / 2, kTiles>,
-          sums_of<1, kTiles>};
-}
+  EGOFOCUS_INLINE void add_8(const int8x8_t* x, const std::int8_t* weights) noexcept {
+    EGOFOCUS_UNROLL
+    for (int o = 0; o < 4; ++o) {
+      const int8x8_t w = vld1_s8(weights + 16 * o);
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < kPixels; ++p) acc[p][o] = vpadalq_s16(acc[p][o], vmull_s8(x[p], w));
+    }
+  }
+
+  EGOFOCUS_INLINE void add(const ConvBlock& block, const ConvRuns& runs) noexcept {
+    const std::int64_t rest = runs.channels & 15;
+    const std::int64_t whole = runs.channels - rest;
+    const std::int8_t* weights = block.weights;
+    const std::int8_t* input[kPixels];
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; ++p) input[p] = with_sign(block.input + p * block.pixel_step);
+    std::int64_t done = 0;
+    if (whole != 0) {
+      add_16<true>(input, runs.offset[0], weights);
+      done = 16;
+    } else {
+      EGOFOCUS_UNROLL
+      for (int o = 0; o < 4; ++o) {
+        EGOFOCUS_UNROLL
+        for (int p = 0; p < kPixels; ++p) acc[p][o] = vdupq_n_s32(0);
+      }
+    }
+    for (std::int32_t run = 0; run != runs.count; ++run) {
+      std::int64_t i = runs.offset[run] + done;
+      for (const std::int64_t end = runs.offset[run] + whole; i != end; i += 16)
+        add_16<false>(input, i, weights);
+      done = 0;
+      if (rest == 0) continue;
+      int8x8_t x[kPixels];
+      if (rest >= 8) {
+        EGOFOCUS_UNROLL
+        for (int p = 0; p < kPixels; ++p) x[p] = vld1_s8(input[p] + i);
+        add_8(x, weights);
+      }
+      if (rest % 8 != 0) {
+        const std::int8_t* last = weights;
+        go_on(last, rest - 4);
+        EGOFOCUS_UNROLL
+        for (int p = 0; p < kPixels; ++p) x[p] = four_bytes(input[p] + i + (rest - 4));
+        add_8(x, last);
+      }
+      go_on(weights, 64);
+    }
+  }
+
+  template <bool kAdd>
+  EGOFOCUS_INLINE void leave(ByteLeaving& leaving, const float* scales) const noexcept {
+    const float32x4_t scale = vld1q_f32(scales);
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; p += 2) {
+      const int32x4_t first = sum(p);
+      if (p + 1 == kPixels) return leave_bytes<1, kAdd>(leaving, narrow_units<1>(&first, &scale));
+      leave_two<kAdd>(leaving, vqmovn_s16(requant_s16_neon(first, sum(p + 1), scale, scale)));
+    }
+  }
+
+  EGOFOCUS_INLINE void store(std::int32_t* sums) const noexcept {
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; ++p) vst1q_s32(sums + 4 * p, sum(p));
+  }
+};
 
 #if defined(__aarch64__)
 constexpr int kMostPixels = 5;  // 32 registers
 #else
 constexpr int kMostPixels = 2;  // 16 registers
 #endif
-constexpr ConvBody kBody{
-    kConvPacking_neon,
-    4,
-    4,
-    {widths<kMostPixels, 1>(), widths<kMostPixels, 2>(), widths<kMostPixels, 3>(), widths<kMostPixels, 4>()},
-    EGOFOCUS_LEAVE};
+constexpr ConvBody kBody{kConvPacking_neon, 4, 1, {neon_widths<Tile, kMostPixels, 1>()}, EGOFOCUS_LEAVE};
 
 }  // namespace
 

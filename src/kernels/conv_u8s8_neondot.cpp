@@ -1,94 +1,93 @@
-#include "kernels/conv_u8s8_neon_leave.inc"
+#include "kernels/conv_u8s8_neon.inc"
 
 namespace egofocus {
 namespace {
 
 /// Four outputs a register, one instruction for four inputs of each.
-template <int kPixels, int kUnits>
-struct Sums {
+template <int kPixelCount, int kUnitCount>
+struct Tile {
+  static constexpr int kPixels = kPixelCount;
+  static constexpr int kUnits = kUnitCount;
   int32x4_t acc[kPixels][kUnits];
-};
 
-template <int kLane, int kPixels, int kUnits>
-inline void add_unit(Sums<kPixels, kUnits>& sums, int u, const int8x16_t* x,
-                     const std::int8_t* weights) noexcept {
-  const int8x16_t w = vld1q_s8(weights + 64 * kLane + 16 * u);
-  EGOFOCUS_UNROLL
-  for (int p = 0; p < kPixels; ++p) sums.acc[p][u] = vdotq_laneq_s32(sums.acc[p][u], w, x[p], kLane);
-}
-
-template <int kLane, int kPixels, int kUnits>
-inline void add_group(Sums<kPixels, kUnits>& sums, const int8x16_t* x, const std::int8_t* weights) noexcept {
-  EGOFOCUS_UNROLL
-  for (int u = 0; u < kUnits; ++u) add_unit<kLane>(sums, u, x, weights);
-}
-
-template <int kPixels, int kUnits>
-void sums_of(const ConvBlock& block) noexcept {
-  Sums<kPixels, kUnits> sums;
-  EGOFOCUS_UNROLL
-  for (int u = 0; u < kUnits; ++u) {
+  EGOFOCUS_INLINE void start(const std::int32_t* bias) noexcept {
+    const Quads<kUnits> q = load_quads<kUnits>(bias);
     EGOFOCUS_UNROLL
-    for (int p = 0; p < kPixels; ++p) sums.acc[p][u] = vld1q_s32(block.bias + 4 * u);
+    for (int u = 0; u < kUnits; ++u) {
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < kPixels; ++p) acc[p][u] = vreinterpretq_s32_s8(q.at[u]);
+    }
   }
-  const std::int8_t* weights = block.weights;
-  const std::int8_t* input[kPixels];
-  EGOFOCUS_UNROLL
-  for (int p = 0; p < kPixels; ++p) input[p] = with_sign(block.input + p * block.pixel_step);
-  for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    std::int64_t i = block.runs->offset[run];
-    const std::int64_t end = i + block.runs->channels;
-    const std::int64_t last = end - 16;
-    int8x16_t x[kPixels];
-    for (; i <= last; i += 16) {
+
+  template <int kLane>
+  EGOFOCUS_INLINE void add_group(const int8x16_t* x, const std::int8_t*& weights) noexcept {
+    const Quads<kUnits> w = load_quads<kUnits>(weights);
+    go_on(weights, 64);
+    EGOFOCUS_UNROLL
+    for (int u = 0; u < kUnits; ++u) {
       EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) x[p] = vld1q_s8(input[p] + i);
-      EGOFOCUS_UNROLL
-      for (int u = 0; u < kUnits; ++u) {  // few sums at a time, so that compilers keep all in registers
-        add_unit<0>(sums, u, x, weights);
-        add_unit<1>(sums, u, x, weights);
-        add_unit<2>(sums, u, x, weights);
-        add_unit<3>(sums, u, x, weights);
+      for (int p = 0; p < kPixels; ++p) acc[p][u] = vdotq_laneq_s32(acc[p][u], w.at[u], x[p], kLane);
+    }
+  }
+
+  EGOFOCUS_INLINE void add(const ConvBlock& block, const ConvRuns& runs) noexcept {
+    const std::int64_t rest = runs.channels & 15;
+    const std::int64_t whole = runs.channels - rest;
+    const std::int8_t* weights = block.weights;
+    const std::int8_t* input[kPixels];
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; ++p) input[p] = with_sign(block.input + p * block.pixel_step);
+    for (std::int32_t run = 0; run != runs.count; ++run) {
+      std::int64_t i = runs.offset[run];
+      int8x16_t x[kPixels];
+      for (const std::int64_t end = i + whole; i != end; i += 16) {
+        EGOFOCUS_UNROLL
+        for (int p = 0; p < kPixels; ++p) x[p] = vld1q_s8(input[p] + i);
+        add_group<0>(x, weights);
+        add_group<1>(x, weights);
+        add_group<2>(x, weights);
+        add_group<3>(x, weights);
       }
-      weights += 256;
-    }
-    if (end - i >= 8) {
-      EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) x[p] = vcombine_s8(vld1_s8(input[p] + i), vdup_n_s8(0));
-      add_group<0>(sums, x, weights);
-      add_group<1>(sums, x, weights);
-      weights += 128;
-      i += 8;
-    }
-    if (end - i >= 4) {
-      EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) x[p] = vcombine_s8(four_bytes(input[p] + i), vdup_n_s8(0));
-      add_group<0>(sums, x, weights);
-      weights += 64;
+      if (rest >= 8) {
+        EGOFOCUS_UNROLL
+        for (int p = 0; p < kPixels; ++p) x[p] = vcombine_s8(vld1_s8(input[p] + i), vdup_n_s8(0));
+        add_group<0>(x, weights);
+        add_group<1>(x, weights);
+        i += 8;
+      }
+      if (rest % 8 != 0) {
+        EGOFOCUS_UNROLL
+        for (int p = 0; p < kPixels; ++p) x[p] = vcombine_s8(four_bytes(input[p] + i), vdup_n_s8(0));
+        add_group<0>(x, weights);
+      }
     }
   }
-  EGOFOCUS_UNROLL
-  for (int p = 0; p < kPixels; ++p) {
-    EGOFOCUS_UNROLL
-    for (int u = 0; u < kUnits; ++u) vst1q_s32(block.sums + 4 * (p * kUnits + u), sums.acc[p][u]);
-  }
-}
 
-template <int kPixels, int kUnits>
-constexpr ConvBlockWidths widths() noexcept {
-  return {kPixels,
-          kPixels - 1,
-          sums_of<kPixels, kUnits>,
-          sums_of<kPixels - 1, kUnits>,
-          sums_of<kPixels / 2, kUnits>,
-          sums_of<1, kUnits>};
-}
+  template <bool kAdd>
+  EGOFOCUS_INLINE void leave(ByteLeaving& leaving, const float* scales) const noexcept {
+    const Quads<kUnits> q = load_quads<kUnits>(scales);
+    float32x4_t scale[kUnits];
+    EGOFOCUS_UNROLL
+    for (int u = 0; u < kUnits; ++u) scale[u] = vreinterpretq_f32_s8(q.at[u]);
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; ++p) leave_bytes<kUnits, kAdd>(leaving, narrow_units<kUnits>(acc[p], scale));
+  }
+
+  EGOFOCUS_INLINE void store(std::int32_t* sums) const noexcept {
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; ++p) {
+      EGOFOCUS_UNROLL
+      for (int u = 0; u < kUnits; ++u) vst1q_s32(sums + 4 * (p * kUnits + u), acc[p][u]);
+    }
+  }
+};
 
 // 32 registers: the sums, sixteen bytes of each pixel, a group's weights.
 constexpr ConvBody kBody{kConvPacking_neondot,
                          4,
                          4,
-                         {widths<8, 1>(), widths<8, 2>(), widths<7, 3>(), widths<6, 4>()},
+                         {neon_widths<Tile, 10, 1>(), neon_widths<Tile, 9, 2>(), neon_widths<Tile, 7, 3>(),
+                          neon_widths<Tile, 5, 4>()},
                          EGOFOCUS_LEAVE};
 
 }  // namespace

@@ -1,119 +1,195 @@
-#include "kernels/conv_u8s8_neon_leave.inc"
+#include "kernels/conv_u8s8_neon.inc"
 
 namespace egofocus {
 namespace {
 
-/// Two pixels by two outputs a register, one instruction for eight inputs. Of an odd
-/// number of pixels the last stands in for its neighbour.
-template <int kPixels, int kUnits>
-struct Sums {
+inline int8x16_t join_low(int8x16_t a, int8x16_t b) noexcept {
+  return vreinterpretq_s8_s64(vzip1q_s64(vreinterpretq_s64_s8(a), vreinterpretq_s64_s8(b)));
+}
+
+inline int8x16_t join_high(int8x16_t a, int8x16_t b) noexcept {
+  return vreinterpretq_s8_s64(vzip2q_s64(vreinterpretq_s64_s8(a), vreinterpretq_s64_s8(b)));
+}
+
+/// Each pair of neighbouring words, twice.
+template <int kCount>
+EGOFOCUS_INLINE void twice(const void* words, Quads<kCount>& both) noexcept {
+  const Quads<kCount / 2> q = load_quads<kCount / 2>(words);
+  EGOFOCUS_UNROLL
+  for (int o = 0; o < kCount; o += 2) {
+    both.at[o] = join_low(q.at[o / 2], q.at[o / 2]);
+    both.at[o + 1] = join_high(q.at[o / 2], q.at[o / 2]);
+  }
+}
+
+/// Two pixels by two outputs a register, one instruction for eight inputs. Of an odd number of pixels the
+/// last stands in for its neighbour.
+template <int kPixelCount, int kUnitCount>
+struct Tile {
+  static constexpr int kPixels = kPixelCount;
+  static constexpr int kUnits = kUnitCount;
   static constexpr int kPairs = (kPixels + 1) / 2;
-  int32x4_t acc[kPairs][2 * kUnits];
-};
+  static constexpr int kColumns = kUnits == 3 ? 8 : 2 * kUnits;
+  static constexpr int kAtOnce = kUnits == 1 ? 2 : 4;
+  int32x4_t acc[kPairs][kColumns];
 
-/// Two outputs' eight inputs.
-template <int kPixels, int kUnits>
-inline void add_pair(Sums<kPixels, kUnits>& sums, int o, const int8x16_t* pairs,
-                     const std::int8_t* weights) noexcept {
-  const int8x16_t w = vld1q_s8(weights + 16 * o);
-  EGOFOCUS_UNROLL
-  for (int p = 0; p < Sums<kPixels, kUnits>::kPairs; ++p)
-    sums.acc[p][o] = vmmlaq_s32(sums.acc[p][o], pairs[p], w);
-}
-
-template <int kPixels, int kUnits>
-inline void add_group(Sums<kPixels, kUnits>& sums, const int8x16_t* pairs,
-                      const std::int8_t* weights) noexcept {
-  EGOFOCUS_UNROLL
-  for (int o = 0; o < 2 * kUnits; ++o) add_pair(sums, o, pairs, weights);
-}
-
-inline int8x16_t join(int8x16_t a, int8x16_t b, bool high) noexcept {
-  const int64x2_t a2 = vreinterpretq_s64_s8(a);
-  const int64x2_t b2 = vreinterpretq_s64_s8(b);
-  return vreinterpretq_s8_s64(high ? vtrn2q_s64(a2, b2) : vtrn1q_s64(a2, b2));
-}
-
-template <int kPixels, int kUnits>
-void sums_of(const ConvBlock& block) noexcept {
-  constexpr int kPairs = Sums<kPixels, kUnits>::kPairs;
-  Sums<kPixels, kUnits> sums;
-  EGOFOCUS_UNROLL
-  for (int o = 0; o < 2 * kUnits; ++o) {
-    const int32x2_t bias = vld1_s32(block.bias + 2 * o);
+  EGOFOCUS_INLINE void start(const std::int32_t* bias) noexcept {
+    Quads<kColumns> both;
+    twice(bias, both);
     EGOFOCUS_UNROLL
-    for (int p = 0; p < kPairs; ++p) sums.acc[p][o] = vcombine_s32(bias, bias);
+    for (int o = 0; o < kColumns; ++o) {
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < kPairs; ++p) acc[p][o] = vreinterpretq_s32_s8(both.at[o]);
+    }
   }
-  const std::int8_t* weights = block.weights;
-  const std::int8_t* input[2 * kPairs];
-  EGOFOCUS_UNROLL
-  for (int p = 0; p < 2 * kPairs; ++p) {
-    const int pixel = p < kPixels ? p : kPixels - 1;
-    input[p] = with_sign(block.input + pixel * block.pixel_step);
+
+  template <int kFirst>
+  EGOFOCUS_INLINE void add_columns(const int8x16_t* pairs, const std::int8_t*& weights) noexcept {
+    const Quads<kAtOnce> w = load_quads<kAtOnce>(weights);
+    go_on(weights, 64);
+    EGOFOCUS_UNROLL
+    for (int o = 0; o < kAtOnce; ++o) {
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < kPairs; ++p) acc[p][kFirst + o] = vmmlaq_s32(acc[p][kFirst + o], pairs[p], w.at[o]);
+    }
   }
-  for (std::int32_t run = 0; run < block.runs->count; ++run) {
-    std::int64_t i = block.runs->offset[run];
-    const std::int64_t end = i + block.runs->channels;
-    const std::int64_t last = end - 16;
-    int8x16_t low[kPairs];
-    for (; i <= last; i += 16) {
-      int8x16_t high[kPairs];
+
+  EGOFOCUS_INLINE void add_group(const int8x16_t* pairs, const std::int8_t*& weights) noexcept {
+    add_columns<0>(pairs, weights);
+    if constexpr (kColumns > 4) {
+      add_columns<4>(pairs, weights);
+    } else {
+      go_on(weights, 64);
+    }
+  }
+
+  /// The inputs of two pixels go through pairs of registers: the first eight of each, then the next ones.
+  EGOFOCUS_INLINE void load_pairs(const std::int8_t** input, int8x16_t (*pairs)[kPairs]) noexcept {
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPairs; ++p) {
+      const int8x16_t a = vld1q_s8(input[2 * p]);
+      const int8x16_t b = vld1q_s8(input[2 * p + 1]);
+      go_on(input[2 * p], 16);
+      go_on(input[2 * p + 1], 16);
+      pairs[0][p] = join_low(a, b);
+      pairs[1][p] = join_high(a, b);
+    }
+  }
+
+  EGOFOCUS_INLINE void load_pairs_of_32(const std::int8_t** input, int8x16_t (*pairs)[kPairs]) noexcept {
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPairs; ++p) {
+      const Quads<2> a = load_quads<2>(input[2 * p]);
+      const Quads<2> b = load_quads<2>(input[2 * p + 1]);
+      go_on(input[2 * p], 32);
+      go_on(input[2 * p + 1], 32);
+      EGOFOCUS_UNROLL
+      for (int i = 0; i < 2; ++i) {
+        pairs[2 * i][p] = join_low(a.at[i], b.at[i]);
+        pairs[2 * i + 1][p] = join_high(a.at[i], b.at[i]);
+      }
+    }
+  }
+
+  EGOFOCUS_INLINE void add_run(const std::int8_t** input, const std::int8_t*& weights,
+                               std::int32_t left) noexcept {
+    int8x16_t pairs[4][kPairs];
+    if constexpr (kPairs <= 2) {
+      for (; left >= 32; left -= 32) {
+        load_pairs_of_32(input, pairs);
+        add_group(pairs[0], weights);
+        add_group(pairs[1], weights);
+        add_group(pairs[2], weights);
+        add_group(pairs[3], weights);
+      }
+      if (left == 0) return;
+    }
+    for (; left >= 16; left -= 16) {
+      load_pairs(input, pairs);
+      add_group(pairs[0], weights);
+      add_group(pairs[1], weights);
+    }
+    if (left >= 8) {
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPairs; ++p) {
-        const int8x16_t first = vld1q_s8(input[2 * p] + i);
-        const int8x16_t second = vld1q_s8(input[2 * p + 1] + i);
-        low[p] = join(first, second, false);
-        high[p] = join(first, second, true);
+        pairs[0][p] = vcombine_s8(vld1_s8(input[2 * p]), vld1_s8(input[2 * p + 1]));
+        go_on(input[2 * p], 8);
+        go_on(input[2 * p + 1], 8);
       }
+      add_group(pairs[0], weights);
+      left -= 8;
+    }
+    if (left != 0) {
       EGOFOCUS_UNROLL
-      for (int o = 0; o < 2 * kUnits; ++o) {  // few sums at a time, so that compilers keep all in registers
-        add_pair(sums, o, low, weights);
-        add_pair(sums, o, high, weights + 128);
+      for (int p = 0; p < kPairs; ++p) {
+        pairs[0][p] = vcombine_s8(four_bytes(input[2 * p]), four_bytes(input[2 * p + 1]));
+        go_on(input[2 * p], 4);
+        go_on(input[2 * p + 1], 4);
       }
-      weights += 256;
-    }
-    if (end - i >= 8) {
-      EGOFOCUS_UNROLL
-      for (int p = 0; p < kPairs; ++p)
-        low[p] = vcombine_s8(vld1_s8(input[2 * p] + i), vld1_s8(input[2 * p + 1] + i));
-      add_group<kPixels, kUnits>(sums, low, weights);
-      weights += 128;
-      i += 8;
-    }
-    if (end - i >= 4) {
-      EGOFOCUS_UNROLL
-      for (int p = 0; p < kPairs; ++p)
-        low[p] = vcombine_s8(four_bytes(input[2 * p] + i), four_bytes(input[2 * p + 1] + i));
-      add_group<kPixels, kUnits>(sums, low, weights);
-      weights += 128;
+      add_group(pairs[0], weights);
     }
   }
-  EGOFOCUS_UNROLL
-  for (int p = 0; p < kPixels; ++p) {
+
+  EGOFOCUS_INLINE void add(const ConvBlock& block, const ConvRuns& runs) noexcept {
+    const std::int8_t* weights = block.weights;
+    const std::int8_t* input[2 * kPairs];
     EGOFOCUS_UNROLL
-    for (int o = 0; o < 2 * kUnits; o += 2) {
-      const int8x16_t a = vreinterpretq_s8_s32(sums.acc[p / 2][o]);
-      const int8x16_t b = vreinterpretq_s8_s32(sums.acc[p / 2][o + 1]);
-      vst1q_s32(block.sums + 4 * kUnits * p + 2 * o, vreinterpretq_s32_s8(join(a, b, p % 2 != 0)));
+    for (int p = 0; p < 2 * kPairs; ++p) {
+      const int pixel = p < kPixels ? p : kPixels - 1;
+      input[p] = with_sign(block.input) + runs.offset[0] + pixel * block.pixel_step;
+    }
+    for (std::int32_t run = 0;;) {
+      add_run(input, weights, runs.channels);
+      if (++run == runs.count) return;
+      const std::int64_t gap = runs.offset[run] - runs.offset[run - 1] - runs.channels;
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < 2 * kPairs; ++p) go_on(input[p], gap);
     }
   }
-}
 
-template <int kPixels, int kUnits>
-constexpr ConvBlockWidths widths() noexcept {
-  return {kPixels,
-          kPixels - 2,
-          sums_of<kPixels, kUnits>,
-          sums_of<kPixels - 2, kUnits>,
-          sums_of<kPixels / 2, kUnits>,
-          sums_of<1, kUnits>};
-}
+  template <bool kAdd>
+  EGOFOCUS_INLINE void leave(ByteLeaving& leaving, const float* scales) const noexcept {
+    constexpr int kHalves = kColumns / kAtOnce;
+    int8x16_t bytes[kPairs][kHalves];  // two outputs of a pixel, two of the next one
+    Quads<kColumns> both;
+    twice(scales, both);
+    float32x4_t scale[kColumns];
+    EGOFOCUS_UNROLL
+    for (int o = 0; o < kColumns; ++o) scale[o] = vreinterpretq_f32_s8(both.at[o]);
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPairs; ++p) {
+      EGOFOCUS_UNROLL
+      for (int half = 0; half < kHalves; ++half)
+        bytes[p][half] = narrow_units<kAtOnce>(acc[p] + kAtOnce * half, scale + kAtOnce * half);
+    }
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPairs; ++p) {
+      const int16x8_t low = vreinterpretq_s16_s8(bytes[p][0]);
+      const int16x8_t high = vreinterpretq_s16_s8(bytes[p][kHalves - 1]);
+      leave_bytes<kUnits, kAdd>(leaving, vreinterpretq_s8_s16(vuzp1q_s16(low, high)));
+      if (2 * p + 1 < kPixels)
+        leave_bytes<kUnits, kAdd>(leaving, vreinterpretq_s8_s16(vuzp2q_s16(low, high)));
+    }
+  }
 
-// 32 registers: the sums, eight bytes of each pixel twice, two outputs' weights.
+  EGOFOCUS_INLINE void store(std::int32_t* sums) const noexcept {
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; ++p) {
+      EGOFOCUS_UNROLL
+      for (int o = 0; o < 2 * kUnits; ++o) {
+        const int32x4_t both = acc[p / 2][o];
+        vst1_s32(sums + 4 * kUnits * p + 2 * o, p % 2 != 0 ? vget_high_s32(both) : vget_low_s32(both));
+      }
+    }
+  }
+};
+
+// 32 registers: the sums, thirty-two inputs of each pixel, four times two outputs' weights.
 constexpr ConvBody kBody{kConvPacking_neonmm,
                          4,
                          4,
-                         {widths<8, 1>(), widths<8, 2>(), widths<6, 3>(), widths<6, 4>()},
+                         {neon_widths<Tile, 8, 1>(), neon_widths<Tile, 8, 2>(), neon_widths<Tile, 4, 3>(),
+                          neon_widths<Tile, 4, 4>()},
                          EGOFOCUS_LEAVE};
 
 }  // namespace

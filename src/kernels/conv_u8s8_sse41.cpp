@@ -123,10 +123,10 @@ template <int kPixels, int kUnits>
 constexpr ConvBlockWidths widths() noexcept {
   return {kPixels,
           kPixels - 1,
-          sums_of<kPixels, kUnits>,
-          sums_of<kPixels - 1, kUnits>,
-          sums_of<kPixels / 2, kUnits>,
-          sums_of<1, kUnits>};
+          by_memory<sums_of<kPixels, kUnits>, kPixels>,
+          by_memory<sums_of<kPixels - 1, kUnits>, kPixels - 1>,
+          by_memory<sums_of<kPixels / 2, kUnits>, kPixels / 2>,
+          by_memory<sums_of<1, kUnits>, 1>};
 }
 
 // 16 registers: the sums, one pixel, the ones, what is between two steps.

@@ -1,0 +1,179 @@
+#!/usr/bin/env python3
+"""Instructions a multiply-add of each ARM body of conv_u8s8, executed under qemu-user with its counting plugin.
+
+usage: bench/count_instructions.py [--layers compared|base|all] [--compiler g++|clang] [--json FILE]
+       bench/count_instructions.py --tick RECORDING MODEL [--json FILE]
+
+Counted are warm calls, with the leaving of sums (requantisation) and everything else inside: the difference of one and
+of two calls. Each body is compiled by g++ and, where there is one, by clang (the presets aarch64 and aarch64-clang).
+--tick counts `egofocus replay --backend network` on one thread instead, by function: the difference of 4 and of 12 ticks,
+on a processor with SDOT and on one without. bench/model_loops.py makes times of it.
+
+Exit status: 0 done, 3 a tool is missing (the message names it).
+"""
+import argparse
+import collections
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SYSROOT = "/usr/aarch64-linux-gnu"
+BODIES = ("neondot", "neonmm", "neon")
+# All that conv_u8s8 compiles to: blocks_of, conv_*, leave_*.
+CONVOLUTION = re.compile(r"9blocks_of|_1\d+conv_|leave_as|conv_u8s8")
+COMPARED = ("3x3_32_32", "3x3_64_64", "1x1_64_64", "3x3s2_32_64")
+# XNNPACK and ncnn, counted in the same way (warm, requantisation included, the better of two compilers) on the same shapes.
+PEERS = {
+    "neondot": {"XNNPACK": (.095, .086, .110, .094), "ncnn": (.109, .091, .122, .097)},
+    "neonmm": {"XNNPACK": (.069, .057, .089, .068), "ncnn": (.075, .059, .093, .065)},
+    "neon": {"XNNPACK": (.289, .272, .317, .288), "ncnn": (.270, .254, .295, .261)},
+}
+GOALS = {"neondot": (.081, .080, .105, .082), "neonmm": (.051, .050, .080, .059), "neon": (.25, .25, .28, .25)}
+
+
+def missing(what, package):
+    print(f"error: {what} was not found; on Debian: apt-get install {package}", file=sys.stderr)
+    sys.exit(3)
+
+
+def run(command, **options):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    if done.returncode != 0:
+        print((done.stdout + done.stderr)[-3000:], file=sys.stderr)
+        sys.exit(f"error: {' '.join(str(word) for word in command)} failed with {done.returncode}")
+    return done.stdout
+
+
+def compilers():
+    """Name -> preset."""
+    for tool, package in (("qemu-aarch64", "qemu-user"), ("aarch64-linux-gnu-g++", "g++-aarch64-linux-gnu"),
+                          ("cc", "gcc"), ("cmake", "cmake"), ("ninja", "ninja-build")):
+        if shutil.which(tool) is None:
+            missing(tool, package)
+    if shutil.which("clang++-19") or shutil.which("clang++"):
+        return {"g++": "aarch64", "clang": "aarch64-clang"}
+    print("note: no clang++: g++ alone (apt-get install clang-19)")
+    return {"g++": "aarch64"}
+
+
+def build(preset, target):
+    run(["cmake", "--preset", preset, "-DEGOFOCUS_BUILD_BENCH=ON"], cwd=ROOT)
+    run(["cmake", "--build", ROOT / "build" / preset, "--target", target])
+    return ROOT / "build" / preset
+
+
+class Counter:
+    def __init__(self, folder):
+        self.plugin = folder / "count_instructions_plugin.so"
+        self.counts = folder / f"counts_{os.getpid()}.txt"
+        run(["cc", "-O2", "-shared", "-fPIC", "-o", self.plugin, ROOT / "bench/count_instructions_plugin.c"])
+
+    def by_function(self, *command, cpu="max"):
+        self.counts.unlink(missing_ok=True)
+        run(["qemu-aarch64", "-cpu", cpu, "-L", SYSROOT, "-plugin", f"{self.plugin},out={self.counts}", *command])
+        if not self.counts.exists():
+            missing("a qemu-aarch64 that loads plugins (QEMU 4.2 to 8)", "qemu-user")
+        pairs = (line.split(maxsplit=1) for line in self.counts.read_text().splitlines())
+        counted = collections.Counter({name: int(count) for count, name in pairs})
+        self.counts.unlink()
+        return counted
+
+    def all(self, *command):
+        return sum(self.by_function(*command).values())
+
+
+def count_layers(counter, program, wanted):
+    """(body, layer) -> (instructions of a call, multiply-adds of a call, times in a tick)"""
+    listed = run(["qemu-aarch64", "-cpu", "max", "-L", SYSROOT, program])
+    counted = {}
+    for body, layer, multiply_adds, times in (line.split() for line in listed.splitlines()):
+        compared = layer in COMPARED
+        if body in BODIES and (wanted == "all" or (wanted == "compared") == compared):
+            calls = [counter.all(program, body, layer, n) for n in (1, 2)]
+            counted[body, layer] = (calls[1] - calls[0], float(multiply_adds), int(times))
+    return counted
+
+
+def print_compared(results):
+    print("\ninstructions a multiply-add".ljust(29) + "".join(f"{name:>14}" for name in COMPARED))
+    for body in BODIES:
+        for compiler, counted in results.items():
+            ours = [counted[body, layer][0] / counted[body, layer][1] for layer in COMPARED]
+            print(f"{body} {compiler}".ljust(28) + "".join(f"{value:14.4f}" for value in ours))
+        for peer, values in PEERS[body].items():
+            print(f"  {peer}".ljust(28) + "".join(f"{value:14.3f}" for value in values))
+        print("  goal".ljust(28) + "".join(f"{value:14.3f}" for value in GOALS[body]))
+
+
+def print_base(results):
+    columns = [(body, compiler) for body in BODIES for compiler in results]
+    print("\nlayers of `base`, instructions a multiply-add".ljust(47) + "".join(f"{b + ' ' + c:>15}" for b, c in columns))
+    layers = [layer for body, layer in next(iter(results.values())) if body == BODIES[0] and layer not in COMPARED]
+    for layer in layers:
+        values = (results[c][b, layer][0] / results[c][b, layer][1] for b, c in columns)
+        print(layer.ljust(46) + "".join(f"{value:15.4f}" for value in values))
+    sums = {}
+    for body, compiler in columns:
+        rows = [results[compiler][body, layer] for layer in layers]
+        sums[body, compiler] = sum(count * times for count, _, times in rows)
+    print("all of a tick, million instructions".ljust(46) + "".join(f"{sums[key] / 1e6:15.1f}" for key in columns))
+
+
+def count_tick(counter, program, recording, model):
+    """Body -> instructions of a tick: those of the convolutions, and the rest by function."""
+    counted = {}
+    for body, cpu in (("neondot", "cortex-a76"), ("neon", "cortex-a72")):
+        short, longer = (counter.by_function(program, "replay", recording, "--backend", "network", "--model", model,
+                                             "--threads", "1", "--ticks", str(ticks), cpu=cpu) for ticks in (4, 12))
+        each = {name: (count - short[name]) / 8 for name, count in longer.items() if count != short[name]}
+        convolutions = sum(count for name, count in each.items() if CONVOLUTION.search(name))
+        rest = {name: count for name, count in each.items() if not CONVOLUTION.search(name)}
+        counted[body] = {"convolutions": convolutions, "rest": sum(rest.values()), "rest_by_function": rest}
+    return counted
+
+
+def print_tick(counted):
+    for body, tick in counted.items():
+        print(f"\n{body}: million instructions a tick: convolutions {tick['convolutions'] / 1e6:.1f}, rest {tick['rest'] / 1e6:.1f}, of it")
+        for name, count in sorted(tick["rest_by_function"].items(), key=lambda item: -item[1])[:12]:
+            print(f"{count / 1e6:10.2f}  {name}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--layers", choices=("compared", "base", "all"), default="all")
+    parser.add_argument("--compiler", choices=("g++", "clang"), help="one of them alone")
+    parser.add_argument("--tick", nargs=2, metavar=("RECORDING", "MODEL"))
+    parser.add_argument("--json", type=pathlib.Path)
+    arguments = parser.parse_args()
+    found = compilers()
+    if arguments.tick:
+        folder = build("aarch64", "egofocus_app")
+        tick = count_tick(Counter(folder), folder / "apps/egofocus/egofocus", *arguments.tick)
+        print_tick(tick)
+        if arguments.json:
+            arguments.json.write_text(json.dumps(tick, indent=1) + "\n")
+        return
+    results = {}
+    for name, preset in found.items():
+        if arguments.compiler not in (None, name):
+            continue
+        folder = build(preset, "run_conv")
+        results[name] = count_layers(Counter(folder), folder / "bench/run_conv", arguments.layers)
+    if arguments.layers != "base":
+        print_compared(results)
+    if arguments.layers != "compared":
+        print_base(results)
+    if arguments.json:
+        rows = [{"compiler": compiler, "body": body, "layer": layer, "instructions": count,
+                 "multiply_adds": multiply_adds, "times_in_a_tick": times}
+                for compiler, counted in results.items() for (body, layer), (count, multiply_adds, times) in counted.items()]
+        arguments.json.write_text(json.dumps({"counted": rows, "peers": PEERS, "goals": GOALS}, indent=1) + "\n")
+
+
+main()

@@ -1,0 +1,7 @@
+include(${CMAKE_CURRENT_LIST_DIR}/aarch64-linux-gnu.cmake)
+find_program(EGOFOCUS_CLANG NAMES clang-19 clang)
+find_program(EGOFOCUS_CLANGXX NAMES clang++-19 clang++)
+set(CMAKE_C_COMPILER ${EGOFOCUS_CLANG})
+set(CMAKE_CXX_COMPILER ${EGOFOCUS_CLANGXX})
+set(CMAKE_C_COMPILER_TARGET aarch64-linux-gnu)
+set(CMAKE_CXX_COMPILER_TARGET aarch64-linux-gnu)
