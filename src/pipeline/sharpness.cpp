@@ -154,11 +154,16 @@ SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) n
   return out;
 }
 
+// Quotients of binary64, truncated: exact, as numerators of 2^46 and less leave no quotient within a rounding
+// of the integer above it. Vector units divide these, and 64-bit integers few of them.
 void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> counts,
                  std::uint32_t* out) noexcept {
-  const std::uint64_t one = std::uint64_t{1} << scale.reciprocal_shift;
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    out[i] = static_cast<std::uint32_t>(one / ((counts[i] << scale.count_shift) + scale.floor));
+  const auto one = static_cast<double>(std::uint64_t{1} << scale.reciprocal_shift);
+  std::uint32_t* __restrict const to = out;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto divisor = static_cast<std::int32_t>((counts[i] << scale.count_shift) + scale.floor);  // < 2^28
+    to[i] = static_cast<std::uint32_t>(static_cast<std::int64_t>(one / divisor));
+  }
 }
 
 void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
