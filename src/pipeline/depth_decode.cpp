@@ -26,17 +26,18 @@ struct CellRow {
 std::int16_t step_to(const CellRow& row, std::int32_t x, std::uint16_t own) noexcept {
   const std::uint16_t other = row.index_q8[x];
   const auto size = static_cast<std::uint16_t>(other > own ? other - own : own - other);
-  const auto step = static_cast<std::int16_t>(other - own);
-  return size <= kEdge_q8 && row.confidence[x] != 0 ? step : std::int16_t{0};
+  const auto close = static_cast<std::uint16_t>(size <= kEdge_q8 ? 0xffff : 0);
+  const auto known = static_cast<std::uint16_t>(row.confidence[x] != 0 ? 0xffff : 0);
+  return static_cast<std::int16_t>((other - own) & close & known);
 }
 
 // The pixel of cell x that lies towards cell `towards`: (9 own + 3 b + 3 c + d + 8) / 16, as steps from own.
-std::uint16_t pixel(const CellRow& own, const CellRow& beside, std::int32_t x, std::int32_t towards) noexcept {
+[[gnu::always_inline]] inline std::uint16_t pixel(const CellRow& own, const CellRow& beside, std::int32_t x, std::int32_t towards) noexcept {
   const std::uint16_t index = own.index_q8[x];
   const auto steps = static_cast<std::int16_t>(
       3 * (step_to(own, towards, index) + step_to(beside, x, index)) + step_to(beside, towards, index) + 8);
-  const auto value = static_cast<std::uint16_t>(index + static_cast<std::int16_t>(steps >> 4));
-  return own.confidence[x] != 0 ? value : std::uint16_t{0};
+  const auto known = static_cast<std::uint16_t>(own.confidence[x] != 0 ? 0xffff : 0);
+  return static_cast<std::uint16_t>((index + (steps >> 4)) & known);
 }
 
 void enlarge_row(const CellRow& own, const CellRow& beside, std::int32_t width, std::int32_t width_px,
@@ -46,10 +47,12 @@ void enlarge_row(const CellRow& own, const CellRow& beside, std::int32_t width, 
     inverse_depth[2 * x] = pixel(own, beside, x, x - 1);
     inverse_depth[2 * x + 1] = pixel(own, beside, x, x + 1);
   }
-  inverse_depth[0] = pixel(own, beside, 0, 0);
-  if (width_px > 1) inverse_depth[1] = pixel(own, beside, 0, last > 0 ? 1 : 0);
-  inverse_depth[2 * last] = pixel(own, beside, last, last > 0 ? last - 1 : 0);
-  if (2 * last + 1 < width_px) inverse_depth[2 * last + 1] = pixel(own, beside, last, last);
+  for (const std::int32_t x : {0, 2 * last}) {  // what is beyond the border counts as the own cell
+    const std::int32_t left = x > 0 ? x / 2 - 1 : 0;
+    const std::int32_t right = x / 2 < last ? x / 2 + 1 : last;
+    inverse_depth[x] = pixel(own, beside, x / 2, left);
+    if (x + 1 < width_px) inverse_depth[x + 1] = pixel(own, beside, x / 2, right);
+  }
   for (std::int32_t x = 0; x < width_px / 2; ++x)
     confidence[2 * x] = confidence[2 * x + 1] = own.confidence[x];
   confidence[width_px - 1] = own.confidence[last];

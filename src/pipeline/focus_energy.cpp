@@ -126,14 +126,11 @@ void weigh_rows(const std::uint16_t* first, const std::uint16_t* second, const R
 // One box along a row; `in` has kReach zeros on either side of what it points to.
 template <std::int32_t kReach>
 void box_line(const std::uint32_t* in, std::int32_t width, std::uint32_t* __restrict out) noexcept {
-  in_blocks(width, [&]<std::int32_t kCells>(std::int32_t x) noexcept {
-    std::uint32_t sum[kCells];
-    for (std::int32_t i = 0; i < kCells; ++i) {
-      sum[i] = in[x + i];
-      for (std::int32_t t = 1; t <= kReach; ++t) sum[i] += in[x + i - t] + in[x + i + t];
-    }
-    for (std::int32_t i = 0; i < kCells; ++i) out[x + i] = sum[i];
-  });
+  for (std::int32_t x = 0; x < width; ++x) {
+    std::uint32_t sum = in[x];
+    for (std::int32_t t = 1; t <= kReach; ++t) sum += in[x - t] + in[x + t];
+    out[x] = sum;
+  }
 }
 
 template <std::int32_t kReach>
