@@ -32,7 +32,8 @@ std::int16_t step_to(const CellRow& row, std::int32_t x, std::uint16_t own) noex
 }
 
 // The pixel of cell x that lies towards cell `towards`: (9 own + 3 b + 3 c + d + 8) / 16, as steps from own.
-[[gnu::always_inline]] inline std::uint16_t pixel(const CellRow& own, const CellRow& beside, std::int32_t x, std::int32_t towards) noexcept {
+[[gnu::always_inline]] inline std::uint16_t pixel(const CellRow& own, const CellRow& beside, std::int32_t x,
+                                                  std::int32_t towards) noexcept {
   const std::uint16_t index = own.index_q8[x];
   const auto steps = static_cast<std::int16_t>(
       3 * (step_to(own, towards, index) + step_to(beside, x, index)) + step_to(beside, towards, index) + 8);

@@ -223,7 +223,9 @@ void halve_counts(std::span<const std::uint8_t> plane, std::int32_t width_px, st
   const auto width = static_cast<std::size_t>(width_px);
   const std::size_t whole = width / 2;
   const std::size_t half_width = (width + 1) / 2;
-  const auto capped = [](std::uint32_t sum) noexcept { return static_cast<std::uint8_t>(sum < 255 ? sum : 255); };
+  const auto capped = [](std::uint32_t sum) noexcept {
+    return static_cast<std::uint8_t>(sum < 255 ? sum : 255);
+  };
   for (std::int32_t y = 0; y < height_px; y += 2) {
     const std::uint8_t* const row = plane.data() + static_cast<std::size_t>(y) * width;
     const bool both = y + 1 < height_px;

@@ -91,7 +91,6 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
     s.row.limit = arena.array<std::int16_t>(padded);
     s.row.factor = arena.array<std::uint16_t>(padded);
     s.row.gain = arena.array<std::uint16_t>(padded);
-    s.row.bytes = arena.array<std::uint8_t>(padded);
   }
 }
 
@@ -185,8 +184,8 @@ void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept
     const std::size_t first = kind == FocusMapKind::kSquares ? 2 : (kind == FocusMapKind::kGradientY ? 1 : 0);
     const std::uint16_t* const second = kind == FocusMapKind::kGradient ? sums(1, 0).data() : nullptr;
     support_row(sums(first, 0).data(), second, used_, cells_, side, y, s.line, stride, ratio.data());
-    sharpness_row(scale, floor_noise_q20_, used_, s.reciprocal.first(ratio.size()), ratio, s.deviation, s.row, width,
-                  &focus_[m * cells_.size() + at], maps * cells_.size(),
+    sharpness_row(scale, floor_noise_q20_, used_, s.reciprocal.first(ratio.size()), ratio, s.deviation, s.row,
+                  width, &focus_[m * cells_.size() + at], maps * cells_.size(),
                   &context_[(2 + m) * cells_.size() + at]);
   }
 }

@@ -17,7 +17,9 @@ constexpr std::size_t half_counts_bytes(std::size_t cells) noexcept {
 /// counts: [cells]; out: half_counts_bytes(cells); an odd last cell has a zero beside it. Thread: any. RT:
 /// yes.
 inline void pack_half_counts(std::span<const std::uint8_t> counts, std::uint8_t* out) noexcept {
-  const auto capped = [](std::uint8_t count) noexcept { return count < kMostHalfCounts ? count : kMostHalfCounts; };
+  const auto capped = [](std::uint8_t count) noexcept {
+    return count < kMostHalfCounts ? count : kMostHalfCounts;
+  };
   const std::uint8_t* const from = counts.data();
   std::uint8_t* __restrict const to = out;
   const std::size_t whole = counts.size() / 2;

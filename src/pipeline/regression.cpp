@@ -7,7 +7,7 @@
 namespace egofocus {
 namespace {
 
-constexpr std::int32_t kMost = 64;          // hypotheses
+constexpr std::int32_t kMost = 64;         // hypotheses
 constexpr std::uint32_t kOnePixel = 8192;  // of an index in 1/256 times a displacement in 1/32 px
 
 }  // namespace
@@ -50,7 +50,8 @@ void Regression::row(const std::int16_t* head, const std::int16_t* own, const st
     const auto index = static_cast<std::uint32_t>(unclamped < 0 ? 0 : (unclamped < last ? unclamped : last));
     std::uint64_t squares = 0;  // at most 64 * 2^16 * 2^28
     for (std::int32_t k = 0; k < used; ++k) {
-      const std::uint32_t off = static_cast<std::uint32_t>(256 * k) - index;  // or less than 0: its square is the same
+      const std::uint32_t off =
+          static_cast<std::uint32_t>(256 * k) - index;  // or less than 0: its square is the same
       squares += static_cast<std::uint64_t>(p[k]) * (off * off);
     }
     const std::uint32_t spread = floor_square_root_u32(static_cast<std::uint32_t>(squares / sum));

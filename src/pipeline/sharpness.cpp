@@ -7,7 +7,7 @@ namespace egofocus {
 namespace {
 
 constexpr std::int32_t kMostRatio = (1 << 26) - (1 << 13);  // 64 of them, or one times 64, fit 32 bits
-constexpr std::uint32_t kMostRatioBits = 13;                   // so that R saturates at 8191 or beyond
+constexpr std::uint32_t kMostRatioBits = 13;                // so that R saturates at 8191 or beyond
 constexpr std::uint32_t kDeviationBits = 13;
 constexpr std::int32_t kMostDeviation = 8191;  // 64 of its squares fit 32 bits
 
@@ -24,6 +24,11 @@ std::uint8_t log_byte(std::uint32_t above_q8, std::uint32_t below_q8) noexcept {
 // A compiler sees that there is no remainder.
 std::size_t whole_groups(std::size_t padded) noexcept {
   return padded / kCellGroup * kCellGroup;
+}
+
+// A padded row of bytes before its first `width` leave, where `low` is not needed any more.
+std::uint8_t* bytes_of(const SharpnessRow& row) noexcept {
+  return reinterpret_cast<std::uint8_t*>(row.low.data());
 }
 
 // R of one hypothesis, and its sum, smallest and largest.
@@ -81,6 +86,7 @@ void deviations(const std::uint32_t* ratio, const SharpnessRow& row, std::int16_
 void divisors(std::uint32_t hypotheses, std::uint32_t floor_noise_q20, const SharpnessRow& row) noexcept {
   const std::size_t width = whole_groups(row.mean.size());
   std::uint32_t* const sd = row.square.data();
+  std::uint8_t* const contrast = bytes_of(row);
   for (std::size_t x = 0; x < width; ++x)
     sd[x] = static_cast<std::uint32_t>((static_cast<std::uint64_t>(sd[x]) << 6) / hypotheses);
   for (std::size_t x = 0; x < width; ++x) sd[x] = 4 * floor_square_root_u32(sd[x]);
@@ -96,14 +102,14 @@ void divisors(std::uint32_t hypotheses, std::uint32_t floor_noise_q20, const Sha
     row.factor[x] = static_cast<std::uint16_t>(1u << e);
     row.gain[x] = static_cast<std::uint16_t>(gain < 65535 ? gain : 65535);
     row.limit[x] = static_cast<std::int16_t>(limit < kMostDeviation ? limit : kMostDeviation);
-    row.bytes[x] = log_byte(log2_q8((sd[x] << h) + q), log2_q8(q));
+    contrast[x] = log_byte(log2_q8((sd[x] << h) + q), log2_q8(q));
   }
 }
 
 // z of one hypothesis, half away from zero.
 void quotients(const std::int16_t* u, const SharpnessRow& row) noexcept {
   const std::size_t width = whole_groups(row.mean.size());
-  std::uint8_t* __restrict const out = row.bytes.data();
+  std::uint8_t* __restrict const out = bytes_of(row);
   const std::int16_t* const limit = row.limit.data();
   const std::uint16_t* const factor = row.factor.data();
   const std::uint16_t* const gain = row.gain.data();
@@ -189,10 +195,10 @@ void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std
   centre(static_cast<std::uint32_t>(hypotheses), row);
   for (std::size_t k = 0; k < count; ++k) deviations(&ratio[k * padded], row, &deviation[k * padded]);
   divisors(static_cast<std::uint32_t>(hypotheses), floor_noise_q20, row);
-  __builtin_memcpy(contrast_out, row.bytes.data(), width);
+  __builtin_memcpy(contrast_out, bytes_of(row), width);
   for (std::size_t k = 0; k < count; ++k) {
     quotients(&deviation[k * padded], row);
-    __builtin_memcpy(z_out + k * stride, row.bytes.data(), width);
+    __builtin_memcpy(z_out + k * stride, bytes_of(row), width);
   }
 }
 

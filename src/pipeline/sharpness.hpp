@@ -38,8 +38,8 @@ SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) n
 void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> counts,
                  std::uint32_t* out) noexcept;
 
-/// Rows of cells are padded to whole groups of this many: no loop over one has a remainder. What stands in the
-/// padding is any value that a cell may have, and comes to nothing.
+/// Rows of cells are padded to whole groups of this many: no loop over one has a remainder. What stands in
+/// the padding is any value that a cell may have, and comes to nothing.
 inline constexpr std::size_t kCellGroup = 8;
 constexpr std::size_t padded_row(std::size_t width) noexcept {
   return (width + kCellGroup - 1) / kCellGroup * kCellGroup;
@@ -48,7 +48,7 @@ constexpr std::size_t padded_row(std::size_t width) noexcept {
 /// One row of cells: arrays of padded_row(width) values.
 struct SharpnessRow {
   std::span<std::uint32_t> mean;  // of R; its sum to begin with
-  std::span<std::int32_t> low;    // smallest and largest R
+  std::span<std::int32_t> low;    // smallest and largest R; low then holds an output's bytes
   std::span<std::int32_t> high;
   std::span<std::uint32_t> half;    // 2^h / 2
   std::span<std::uint32_t> scale;   // 2^(26 - h)
@@ -57,7 +57,6 @@ struct SharpnessRow {
   std::span<std::int16_t> limit;    // deviations from here on saturate
   std::span<std::uint16_t> factor;  // 2^e
   std::span<std::uint16_t> gain;    // G
-  std::span<std::uint8_t> bytes;    // of one output
 };
 
 /// q of each cell from the sum of the supported counts over `hypotheses`.
@@ -65,8 +64,8 @@ void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_s
                std::span<std::uint32_t> noise) noexcept;
 
 /// Rows of ratio, reciprocal and deviation are padded. ratio: energies [hypotheses][row], turned into R.
-/// deviation: scratch of the same size. z_out + k * stride: bytes [width] of hypothesis k; contrast_out: bytes
-/// [width]. `row.noise` is noise_row()'s; floor_noise_q20: 2^16..2^23.
+/// deviation: scratch of the same size. z_out + k * stride: bytes [width] of hypothesis k; contrast_out:
+/// bytes [width]. `row.noise` is noise_row()'s; floor_noise_q20: 2^16..2^23.
 void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std::int32_t hypotheses,
                    std::span<const std::uint32_t> reciprocal, std::span<std::uint32_t> ratio,
                    std::span<std::int16_t> deviation, const SharpnessRow& row, std::size_t width,

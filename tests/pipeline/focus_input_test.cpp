@@ -173,8 +173,7 @@ TEST_CASE("one cell of four hypotheses, by hand") {
   std::int32_t low[kCellGroup], high[kCellGroup];
   std::int16_t limit[kCellGroup];
   std::uint16_t factor[kCellGroup], gain[kCellGroup];
-  std::uint8_t bytes[kCellGroup];
-  const SharpnessRow row{mean, low, high, half, shift, square, noise, limit, factor, gain, bytes};
+  const SharpnessRow row{mean, low, high, half, shift, square, noise, limit, factor, gain};
   const std::uint32_t count_sum[kCellGroup] = {32};
   noise_row(scale, count_sum, 4, noise);
   CHECK(noise[0] == 1u << 17);  // q = sqrt(4 / (16 (1/2 + 1/2))) = 1/2
