@@ -7,7 +7,7 @@ usage: bench/count_instructions.py [--layers compared|base|all] [--compiler g++|
 Counted are warm calls, with the leaving of sums (requantisation) and everything else inside: the difference of one and
 of two calls. Each body is compiled by g++ and, where there is one, by clang (the presets aarch64 and aarch64-clang).
 --tick counts `egofocus replay --backend network` on one thread instead, by function: the difference of 4 and of 12 ticks,
-on a processor with SDOT and on one without. bench/model_loops.py makes times of it.
+on a processor with SDOT and on one without, but for what the command line itself does. bench/model_loops.py makes times of it.
 
 Exit status: 0 done, 3 a tool is missing (the message names it).
 """
@@ -26,6 +26,8 @@ SYSROOT = "/usr/aarch64-linux-gnu"
 BODIES = ("neondot", "neonmm", "neon")
 # All that conv_u8s8 compiles to: blocks_of, conv_*, leave_*.
 CONVOLUTION = re.compile(r"9blocks_of|_1\d+conv_|leave_as|conv_u8s8")
+# The command line around a tick, which is compiled without optimisation: hashes of frames, counts for its report.
+COMMAND_LINE = re.compile(r"^_ZZ?N?K?(8egofocus3app|9__gnu_cxx|St)")
 COMPARED = ("3x3_32_32", "3x3_64_64", "1x1_64_64", "3x3s2_32_64")
 # XNNPACK and ncnn, counted in the same way (warm, requantisation included, the better of two compilers) on the same shapes.
 PEERS = {
@@ -130,7 +132,8 @@ def count_tick(counter, program, recording, model):
     for body, cpu in (("neondot", "cortex-a76"), ("neon", "cortex-a72")):
         short, longer = (counter.by_function(program, "replay", recording, "--backend", "network", "--model", model,
                                              "--threads", "1", "--ticks", str(ticks), cpu=cpu) for ticks in (4, 12))
-        each = {name: (count - short[name]) / 8 for name, count in longer.items() if count != short[name]}
+        each = {name: (count - short[name]) / 8 for name, count in longer.items()
+                if count != short[name] and not COMMAND_LINE.search(name)}
         convolutions = sum(count for name, count in each.items() if CONVOLUTION.search(name))
         rest = {name: count for name, count in each.items() if not CONVOLUTION.search(name)}
         counted[body] = {"convolutions": convolutions, "rest": sum(rest.values()), "rest_by_function": rest}

@@ -151,7 +151,7 @@ constexpr ConvBody kBody{kConvPacking_neon, 4, 1, {neon_widths<Tile, kMostPixels
 }  // namespace
 
 void conv_u8s8_neon(const ConvU8S8& conv) noexcept {
-  conv_by_blocks(conv, kBody);
+  if (!scored_alone(conv)) conv_by_blocks(conv, kBody);
 }
 
 }  // namespace egofocus

@@ -54,12 +54,11 @@ void CarriedDepth::keep(const DepthFrame& frame, std::int64_t newest_event_us) n
     if (frame.parallax_px < parallax_px_ * freshness) return;
   }
   EGOFOCUS_CHECK(frame.inverse_depth.size() == inverse_depth_.size());
-  known_px_ = 0;
-  for (std::size_t i = 0; i < inverse_depth_.size(); ++i) {
-    inverse_depth_[i] = frame.inverse_depth[i];
-    confidence_[i] = frame.confidence[i];
-    known_px_ += confidence_[i] != 0 ? 1 : 0;
-  }
+  __builtin_memcpy(inverse_depth_.data(), frame.inverse_depth.data(), inverse_depth_.size_bytes());
+  __builtin_memcpy(confidence_.data(), frame.confidence.data(), confidence_.size_bytes());
+  std::uint32_t known_px = 0;
+  for (const std::uint8_t confidence : confidence_) known_px += confidence != 0 ? 1 : 0;
+  known_px_ = known_px;
   parallax_px_ = frame.parallax_px;
   scale_per_m_ = frame.inverse_depth_scale_per_m;
   flags_ = frame.flags;

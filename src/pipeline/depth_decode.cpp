@@ -3,7 +3,7 @@
 namespace egofocus {
 namespace {
 
-constexpr std::int32_t kEdge_q8 = 2 * 256;
+constexpr std::uint16_t kEdge_q8 = 2 * 256;
 
 // Middle of n <= 25 values, the lower one of two; n >= 1. Insertion sort: n is small and mostly in order.
 std::uint16_t middle(std::uint16_t* values, int n) noexcept {
@@ -14,6 +14,49 @@ std::uint16_t middle(std::uint16_t* values, int n) noexcept {
     values[j] = v;
   }
   return values[(n - 1) / 2];
+}
+
+struct CellRow {
+  const std::uint16_t* index_q8;
+  const std::uint8_t* confidence;
+};
+
+// How far a neighbour is from the pixel's own cell: 0 where it counts as that. At most kEdge_q8: 16 bits
+// hold what is made of it.
+std::int16_t step_to(const CellRow& row, std::int32_t x, std::uint16_t own) noexcept {
+  const std::uint16_t other = row.index_q8[x];
+  const auto size = static_cast<std::uint16_t>(other > own ? other - own : own - other);
+  const auto close = static_cast<std::uint16_t>(size <= kEdge_q8 ? 0xffff : 0);
+  const auto known = static_cast<std::uint16_t>(row.confidence[x] != 0 ? 0xffff : 0);
+  return static_cast<std::int16_t>((other - own) & close & known);
+}
+
+// The pixel of cell x that lies towards cell `towards`: (9 own + 3 b + 3 c + d + 8) / 16, as steps from own.
+[[gnu::always_inline]] inline std::uint16_t pixel(const CellRow& own, const CellRow& beside, std::int32_t x,
+                                                  std::int32_t towards) noexcept {
+  const std::uint16_t index = own.index_q8[x];
+  const auto steps = static_cast<std::int16_t>(
+      3 * (step_to(own, towards, index) + step_to(beside, x, index)) + step_to(beside, towards, index) + 8);
+  const auto known = static_cast<std::uint16_t>(own.confidence[x] != 0 ? 0xffff : 0);
+  return static_cast<std::uint16_t>((index + (steps >> 4)) & known);
+}
+
+void enlarge_row(const CellRow& own, const CellRow& beside, std::int32_t width, std::int32_t width_px,
+                 std::uint16_t* __restrict inverse_depth, std::uint8_t* __restrict confidence) noexcept {
+  const std::int32_t last = width - 1;
+  for (std::int32_t x = 1; x < last; ++x) {
+    inverse_depth[2 * x] = pixel(own, beside, x, x - 1);
+    inverse_depth[2 * x + 1] = pixel(own, beside, x, x + 1);
+  }
+  for (const std::int32_t x : {0, 2 * last}) {  // what is beyond the border counts as the own cell
+    const std::int32_t left = x > 0 ? x / 2 - 1 : 0;
+    const std::int32_t right = x / 2 < last ? x / 2 + 1 : last;
+    inverse_depth[x] = pixel(own, beside, x / 2, left);
+    if (x + 1 < width_px) inverse_depth[x + 1] = pixel(own, beside, x / 2, right);
+  }
+  for (std::int32_t x = 0; x < width_px / 2; ++x)
+    confidence[2 * x] = confidence[2 * x + 1] = own.confidence[x];
+  confidence[width_px - 1] = own.confidence[last];
 }
 
 }  // namespace
@@ -76,30 +119,12 @@ void DepthDecode::enlarge(int part, int parts) noexcept {
     // ones the next.
     std::int32_t beside_y = (y & 1) ? cell_y + 1 : cell_y - 1;
     if (beside_y < 0 || beside_y >= height) beside_y = cell_y;
-    for (std::int32_t x = 0; x < grid_.width_px; ++x) {
-      const std::int32_t cell_x = x / 2;
-      std::int32_t beside_x = (x & 1) ? cell_x + 1 : cell_x - 1;
-      if (beside_x < 0 || beside_x >= width) beside_x = cell_x;
-      const auto own_at = static_cast<std::size_t>(cell_y * width + cell_x);
-      const std::size_t out = static_cast<std::size_t>(y) * static_cast<std::size_t>(grid_.width_px) +
-                              static_cast<std::size_t>(x);
-      const std::uint8_t confidence = cells_.confidence[own_at];
-      confidence_[out] = confidence;
-      if (confidence == 0) {
-        inverse_depth_[out] = 0;
-        continue;
-      }
-      const std::int32_t own = index_q8_[own_at];
-      const auto neighbour = [&](std::int32_t cx, std::int32_t cy) noexcept {
-        const auto at = static_cast<std::size_t>(cy * width + cx);
-        const std::int32_t value = index_q8_[at];
-        const std::int32_t step = value > own ? value - own : own - value;
-        return cells_.confidence[at] == 0 || step > kEdge_q8 ? own : value;
-      };
-      const std::int32_t sum = 9 * own + 3 * neighbour(beside_x, cell_y) + 3 * neighbour(cell_x, beside_y) +
-                               neighbour(beside_x, beside_y);
-      inverse_depth_[out] = static_cast<std::uint16_t>((sum + 8) >> 4);
-    }
+    const CellRow own{&index_q8_[static_cast<std::size_t>(cell_y * width)],
+                      &cells_.confidence[static_cast<std::size_t>(cell_y * width)]};
+    const CellRow beside{&index_q8_[static_cast<std::size_t>(beside_y * width)],
+                         &cells_.confidence[static_cast<std::size_t>(beside_y * width)]};
+    const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(grid_.width_px);
+    enlarge_row(own, beside, width, grid_.width_px, &inverse_depth_[at], &confidence_[at]);
   }
 }
 

@@ -16,83 +16,145 @@ std::uint16_t squared(std::int32_t difference) noexcept {
   return static_cast<std::uint16_t>(static_cast<std::uint32_t>(d) * d);  // exact: at most 255^2, modulo 2^16
 }
 
-// Column sums of one row of pixels, added to those of the cell's earlier rows.
-void add_row(const std::uint8_t* row, const std::uint8_t* above, const std::uint8_t* below,
-             std::int32_t width, std::uint32_t* gx, std::uint32_t* gy, std::uint32_t* squares,
-             std::uint32_t* counts) noexcept {
-  for (std::int32_t x = 1; x + 1 < width; ++x) gx[x] += squared(row[x + 1] - row[x - 1]);
-  if (above != nullptr && below != nullptr) {
-    for (std::int32_t x = 0; x < width; ++x) gy[x] += squared(below[x] - above[x]);
-  }
-  for (std::int32_t x = 0; x < width; ++x) squares[x] += static_cast<std::uint16_t>(squared(row[x]) - row[x]);
-  for (std::int32_t x = 0; x < width; ++x) counts[x] += row[x];
-}
-
-// One box along a row; `in` and `out` have `reach` zeros on either side of what they point to.
-void box_line(const std::uint32_t* in, std::int32_t width, std::int32_t reach, std::uint32_t* out) noexcept {
-  switch (reach) {
-    case 1:
-      for (std::int32_t x = 0; x < width; ++x) out[x] = in[x - 1] + in[x] + in[x + 1];
-      break;
-    case 2:
-      for (std::int32_t x = 0; x < width; ++x)
-        out[x] = (in[x - 2] + in[x - 1]) + in[x] + (in[x + 1] + in[x + 2]);
-      break;
-    default:
-      for (std::int32_t x = 0; x < width; ++x)
-        out[x] = (in[x - 3] + in[x - 2]) + (in[x - 1] + in[x]) + (in[x + 1] + in[x + 2]) + in[x + 3];
-      break;
-  }
-}
-
-// Rows that a doubled box takes in around row y, and how often: as many times as both boxes meet in a row of
-// the grid.
-struct RowWeights {
-  std::int32_t first = 0;
-  std::int32_t count = 0;
-  std::uint16_t weight[4 * kMostReach + 1] = {};
+// Sums over the rows 1 .. kRows of a strip, a column each; rows 0 and kRows + 1 are their neighbours.
+struct ColumnSums {
+  std::uint32_t* gx;
+  std::uint32_t* gy;
+  std::uint32_t* all_squares;  // of counts: not yet less the counts
+  std::uint32_t* counts;
 };
-RowWeights row_weights(std::int32_t height, std::int32_t reach, std::int32_t y) noexcept {
-  RowWeights out;
-  out.first = y > 2 * reach ? y - 2 * reach : 0;
-  const std::int32_t last = y + 2 * reach < height - 1 ? y + 2 * reach : height - 1;
-  for (std::int32_t v = out.first; v <= last; ++v) {
-    const std::int32_t from = (v > y ? v : y) - reach;
-    const std::int32_t to = (v < y ? v : y) + reach;
-    out.weight[out.count++] =
-        static_cast<std::uint16_t>((to < height - 1 ? to : height - 1) - (from > 0 ? from : 0) + 1);
+template <std::int32_t kRows>
+void sum_columns(const std::uint8_t* const (&rows)[kCell + 2], std::int32_t width,
+                 const ColumnSums& out) noexcept {
+  std::uint32_t* __restrict const gx = out.gx;
+  for (std::int32_t x = 1; x + 1 < width; ++x) {
+    std::uint32_t sum = 0;
+    for (std::int32_t i = 1; i <= kRows; ++i) sum += squared(rows[i][x + 1] - rows[i][x - 1]);
+    gx[x] = sum;
   }
-  return out;
+  gx[0] = 0;
+  gx[width - 1] = 0;
+  std::uint32_t* __restrict const gy = out.gy;
+  for (std::int32_t x = 0; x < width; ++x) {
+    std::uint32_t sum = 0;
+    for (std::int32_t i = 1; i <= kRows; ++i) sum += squared(rows[i + 1][x] - rows[i - 1][x]);
+    gy[x] = sum;
+  }
+  std::uint32_t* __restrict const all_squares = out.all_squares;
+  std::uint32_t* __restrict const counts = out.counts;
+  for (std::int32_t x = 0; x < width; ++x) {
+    std::uint32_t squares = 0;
+    std::uint32_t count = 0;
+    for (std::int32_t i = 1; i <= kRows; ++i) {
+      squares += squared(rows[i][x]);
+      count += rows[i][x];
+    }
+    all_squares[x] = squares;
+    counts[x] = count;
+  }
 }
 
-// kCells sums at once stay where vector units keep them. `first` and `second` are at the first row.
-template <std::int32_t kCells>
-void sum_rows(const std::uint16_t* first, const std::uint16_t* second, std::int32_t width,
-              const RowWeights& rows, std::uint32_t* out) noexcept {
-  std::uint32_t sum[kCells] = {};
-  for (const std::uint16_t* cells : {first, second}) {
-    if (cells == nullptr) continue;
-    for (std::int32_t v = 0; v < rows.count; ++v, cells += width) {
-      const std::uint16_t weight = rows.weight[v];
-      for (std::int32_t x = 0; x < kCells; ++x) sum[x] += static_cast<std::uint32_t>(cells[x]) * weight;
+// Sums of four columns, the last of what there is; `less` is subtracted, column by column.
+template <bool kLess>
+void fold_columns(const std::uint32_t* columns, const std::uint32_t* less, std::int32_t width,
+                  std::span<std::uint16_t> cells) noexcept {
+  std::uint16_t* __restrict const out = cells.data();
+  const std::int32_t whole = width / kCell;
+  for (std::int32_t cell = 0; cell < whole; ++cell) {
+    const std::uint32_t* const c = columns + cell * kCell;
+    std::uint32_t sum = (c[0] + c[1]) + (c[2] + c[3]);
+    if (kLess) {
+      const std::uint32_t* const d = less + cell * kCell;
+      sum -= (d[0] + d[1]) + (d[2] + d[3]);
+    }
+    out[cell] = saturated(sum);
+  }
+  if (whole * kCell == width) return;
+  std::uint32_t sum = 0;
+  for (std::int32_t x = whole * kCell; x < width; ++x) sum += columns[x] - (kLess ? less[x] : 0);
+  out[whole] = saturated(sum);
+}
+
+// Rows y - 2 reach .. y + 2 reach, and how often a doubled box takes each in: as many times as both boxes
+// meet in a row of the grid. One beyond the grid has no weight, and another's cells.
+template <std::int32_t kReach>
+struct RowWeights {
+  static constexpr std::int32_t kRows = 4 * kReach + 1;
+  RowWeights(const EnergyGrid& grid, std::int32_t y) noexcept {
+    for (std::int32_t i = 0; i < kRows; ++i) {
+      const std::int32_t v = y - 2 * kReach + i;
+      const bool there = v >= 0 && v < grid.height;
+      const std::int32_t from = (v > y ? v : y) - kReach;
+      const std::int32_t to = (v < y ? v : y) + kReach;
+      const std::int32_t met = (to < grid.height - 1 ? to : grid.height - 1) - (from > 0 ? from : 0) + 1;
+      at[i] = (there ? v : y) * grid.width;
+      weight[i] = static_cast<std::uint16_t>(there ? met : 0);
     }
   }
-  for (std::int32_t x = 0; x < kCells; ++x) out[x] = sum[x];
+  std::int32_t at[kRows];  // the row's first cell
+  std::uint16_t weight[kRows];
+};
+
+// step.operator()<n>(x) for n values from x on: whole blocks where the width has one, and the last of them
+// overlaps the one before it.
+template <typename Step>
+void in_blocks(std::int32_t width, const Step& step) noexcept {
+  constexpr std::int32_t kBlock = 8;
+  if (width < kBlock) {
+    for (std::int32_t x = 0; x < width; ++x) step.template operator()<1>(x);
+    return;
+  }
+  for (std::int32_t x = 0; x < width; x += kBlock)
+    step.template operator()<kBlock>(x < width - kBlock ? x : width - kBlock);
 }
 
-void sum_rows(const std::uint16_t* first, const std::uint16_t* second, std::int32_t width,
-              const RowWeights& rows, std::uint32_t* out) noexcept {
-  constexpr std::int32_t kBlock = 16;
-  const std::int32_t block_end = width - kBlock;
-  for (std::int32_t x = 0; x < width;) {
-    const std::uint16_t* const other = second != nullptr ? second + x : nullptr;
-    if (width < kBlock) {
-      sum_rows<1>(first + x, other, width, rows, out + x);
-      ++x;
+template <std::int32_t kReach, bool kBoth>
+void weigh_rows(const std::uint16_t* first, const std::uint16_t* second, const RowWeights<kReach>& rows,
+                std::int32_t width, std::uint32_t* __restrict out) noexcept {
+  in_blocks(width, [&]<std::int32_t kCells>(std::int32_t x) noexcept {
+    for (std::int32_t i = x; i < x + kCells; ++i) {
+      std::uint32_t sum = 0;
+      for (std::int32_t v = 0; v < rows.kRows; ++v) {
+        sum += static_cast<std::uint32_t>(first[rows.at[v] + i]) * rows.weight[v];
+        if (kBoth) sum += static_cast<std::uint32_t>(second[rows.at[v] + i]) * rows.weight[v];
+      }
+      out[i] = sum;
+    }
+  });
+}
+
+// One box along a row of whole eights; `in` has kReach zeros on either side of what it points to.
+template <std::int32_t kReach>
+void box_line(const std::uint32_t* in, std::int32_t padded, std::uint32_t* __restrict out) noexcept {
+  const std::int32_t end = padded / 8 * 8;  // a compiler sees that there is no remainder
+  for (std::int32_t x = 0; x < end; ++x) {
+    std::uint32_t sum = in[x];
+    for (std::int32_t t = 1; t <= kReach; ++t) sum += in[x - t] + in[x + t];
+    out[x] = sum;
+  }
+}
+
+template <std::int32_t kReach>
+void support(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
+             const EnergyGrid& grid, std::int32_t y, std::span<std::uint32_t> line, std::int32_t padded,
+             std::uint32_t* out) noexcept {
+  std::uint32_t* const columns = line.data() + kMostReach;
+  std::uint32_t* const boxed = columns + padded + 2 * kMostReach;
+  for (std::uint32_t& v : line) v = 0;
+  const RowWeights<kReach> rows(grid, y);
+  for (std::int32_t k = 0; k < hypotheses; ++k) {
+    const std::size_t plane = static_cast<std::size_t>(k) * grid.size();
+    std::uint32_t* const to = out + static_cast<std::size_t>(k) * static_cast<std::size_t>(padded);
+    std::uint32_t* const sum = kReach == 0 ? to : columns;
+    if (second != nullptr) {
+      weigh_rows<kReach, true>(first + plane, second + plane, rows, grid.width, sum);
     } else {
-      sum_rows<kBlock>(first + x, other, width, rows, out + x);
-      x = x < block_end && x + kBlock > block_end ? block_end : x + kBlock;  // the last one overlaps
+      weigh_rows<kReach, false>(first + plane, nullptr, rows, grid.width, sum);
     }
+    std::uint32_t* const beyond = kReach == 0 ? to : boxed;
+    if (kReach > 0) box_line<kReach>(columns, padded, boxed);
+    for (std::int32_t x = grid.width; x < padded; ++x) beyond[x] = 0;
+    if (kReach > 0) box_line<kReach>(boxed, padded, to);
   }
 }
 
@@ -106,74 +168,76 @@ void sum_cells(std::span<const std::uint8_t> plane, std::int32_t width_px, std::
                std::span<std::uint32_t> scratch, const CellSums& out) noexcept {
   const EnergyGrid grid = energy_grid(width_px, height_px);
   const auto width = static_cast<std::size_t>(width_px);
-  std::uint32_t* gx = scratch.data();
-  std::uint32_t* gy = gx + width;
-  std::uint32_t* squares = gy + width;
-  std::uint32_t* counts = squares + width;
+  const auto cells = static_cast<std::size_t>(grid.width);
+  const ColumnSums columns{&scratch[0], &scratch[width], &scratch[2 * width], &scratch[3 * width]};
   for (std::int32_t cell_y = 0; cell_y < grid.height; ++cell_y) {
-    for (std::size_t i = 0; i < 4 * width; ++i) scratch[i] = 0;
-    for (std::int32_t y = cell_y * kCell; y < (cell_y + 1) * kCell && y < height_px; ++y) {
-      const std::uint8_t* row = plane.data() + static_cast<std::size_t>(y) * width;
-      const bool inner = y > 0 && y + 1 < height_px;
-      add_row(row, inner ? row - width : nullptr, inner ? row + width : nullptr, width_px, gx, gy, squares,
-              counts);
+    const std::int32_t first = cell_y * kCell;
+    const std::int32_t rows_left = height_px - first;
+    // Beyond the border the other neighbour stands in for the missing one: no difference.
+    const std::uint8_t* rows[kCell + 2];
+    for (std::int32_t i = 0; i < kCell + 2; ++i) {
+      std::int32_t y = first + i - 1;
+      if (y < 0) y = height_px > 1 ? 1 : 0;
+      if (y >= height_px) y = height_px > 1 ? height_px - 2 : 0;
+      rows[i] = plane.data() + static_cast<std::size_t>(y) * width;
     }
-    const std::size_t at = static_cast<std::size_t>(cell_y) * static_cast<std::size_t>(grid.width);
-    for (std::int32_t cell_x = 0; cell_x < grid.width; ++cell_x) {
-      std::uint32_t sums[4] = {0, 0, 0, 0};
-      for (std::int32_t x = cell_x * kCell; x < (cell_x + 1) * kCell && x < width_px; ++x) {
-        sums[0] += gx[x];
-        sums[1] += gy[x];
-        sums[2] += squares[x];
-        sums[3] += counts[x];
-      }
-      const std::size_t cell = at + static_cast<std::size_t>(cell_x);
-      out.gradient_x[cell] = saturated(sums[0]);
-      out.gradient_y[cell] = saturated(sums[1]);
-      out.squares[cell] = saturated(sums[2]);
-      out.counts[cell] = saturated(sums[3]);
+    switch (rows_left) {
+      case 1:
+        sum_columns<1>(rows, width_px, columns);
+        break;
+      case 2:
+        sum_columns<2>(rows, width_px, columns);
+        break;
+      case 3:
+        sum_columns<3>(rows, width_px, columns);
+        break;
+      default:
+        sum_columns<4>(rows, width_px, columns);
+        break;
     }
+    const std::size_t at = static_cast<std::size_t>(cell_y) * cells;
+    fold_columns<false>(columns.gx, nullptr, width_px, out.gradient_x.subspan(at, cells));
+    fold_columns<false>(columns.gy, nullptr, width_px, out.gradient_y.subspan(at, cells));
+    fold_columns<true>(columns.all_squares, columns.counts, width_px, out.squares.subspan(at, cells));
+    fold_columns<false>(columns.counts, nullptr, width_px, out.counts.subspan(at, cells));
   }
 }
 
 void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
                  const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
-                 std::uint32_t* out) noexcept {
-  const std::int32_t reach = side / 2;
-  const std::int32_t width = grid.width;
-  const auto stride = static_cast<std::size_t>(width);
-  std::uint32_t* const columns = line.data() + kMostReach;
-  std::uint32_t* const boxed = columns + width + 2 * kMostReach;
-  for (std::uint32_t& v : line) v = 0;
-  const RowWeights rows = row_weights(grid.height, reach, y);
-  const std::size_t first_cell = static_cast<std::size_t>(rows.first) * stride;
-  for (std::int32_t k = 0; k < hypotheses; ++k) {
-    std::uint32_t* const to = out + static_cast<std::size_t>(k) * stride;
-    std::uint32_t* const sum = reach == 0 ? to : columns;
-    const std::size_t at = static_cast<std::size_t>(k) * grid.size() + first_cell;
-    sum_rows(first + at, second != nullptr ? second + at : nullptr, width, rows, sum);
-    if (reach == 0) continue;
-    box_line(columns, width, reach, boxed);
-    box_line(boxed, width, reach, to);
+                 std::int32_t padded, std::uint32_t* out) noexcept {
+  switch (side) {
+    case 1:
+      return support<0>(first, second, hypotheses, grid, y, line, padded, out);
+    case 3:
+      return support<1>(first, second, hypotheses, grid, y, line, padded, out);
+    case 5:
+      return support<2>(first, second, hypotheses, grid, y, line, padded, out);
+    default:
+      return support<3>(first, second, hypotheses, grid, y, line, padded, out);
   }
 }
 
 void halve_counts(std::span<const std::uint8_t> plane, std::int32_t width_px, std::int32_t height_px,
                   std::span<std::uint8_t> out) noexcept {
   const auto width = static_cast<std::size_t>(width_px);
+  const std::size_t whole = width / 2;
   const std::size_t half_width = (width + 1) / 2;
+  const auto capped = [](std::uint32_t sum) noexcept {
+    return static_cast<std::uint8_t>(sum < 255 ? sum : 255);
+  };
   for (std::int32_t y = 0; y < height_px; y += 2) {
-    const std::uint8_t* row = plane.data() + static_cast<std::size_t>(y) * width;
-    const std::uint8_t* next = y + 1 < height_px ? row + width : nullptr;
-    std::uint8_t* to = out.data() + static_cast<std::size_t>(y / 2) * half_width;
-    for (std::size_t x = 0; x < width; x += 2) {
-      const bool wide = x + 1 < width;
-      std::uint32_t sum = row[x];
-      if (wide) sum += row[x + 1];
-      if (next != nullptr) sum += next[x];
-      if (next != nullptr && wide) sum += next[x + 1];
-      to[x / 2] = static_cast<std::uint8_t>(sum < 255 ? sum : 255);
+    const std::uint8_t* const row = plane.data() + static_cast<std::size_t>(y) * width;
+    const bool both = y + 1 < height_px;
+    const std::uint8_t* const next = both ? row + width : row;
+    std::uint8_t* __restrict const to = out.data() + static_cast<std::size_t>(y / 2) * half_width;
+    const std::uint16_t mask = both ? 0xffff : 0;
+    for (std::size_t x = 0; x < whole; ++x) {
+      const auto below = static_cast<std::uint16_t>((next[2 * x] + next[2 * x + 1]) & mask);
+      const auto sum = static_cast<std::uint16_t>(row[2 * x] + row[2 * x + 1] + below);
+      to[x] = capped(sum);
     }
+    if (whole < half_width) to[whole] = capped(row[width - 1] + (both ? std::uint32_t{next[width - 1]} : 0u));
   }
 }
 

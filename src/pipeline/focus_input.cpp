@@ -67,6 +67,7 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
   EGOFOCUS_CHECK(hypotheses >= 1 && hypotheses <= kMostHypotheses);
   const auto depth = static_cast<std::size_t>(hypotheses);
   const auto width = static_cast<std::size_t>(cells_.width);
+  const std::size_t padded = padded_row(width);
   for (std::int32_t i = 0; i < 4; ++i) scale_[i] = support_scale(2 * i + 1, config.floor_events_milli);
   sums_ = sums_arena.array<std::uint16_t>(sums_bytes(grid, hypotheses) / sizeof(std::uint16_t));
   focus_ = focus_arena.array<std::uint8_t>(focus_bytes(config, grid, hypotheses));
@@ -76,20 +77,20 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
   for (int i = 0; i < parts; ++i) {
     Scratch& s = scratch_[i];
     // sum_cells() works in it, too: four values for each of a cell's four columns.
-    s.counts = arena.array<std::uint32_t>((depth > 16 ? depth : 16) * width);
-    s.reciprocal = arena.array<std::uint32_t>(depth * width);
-    s.ratio = arena.array<std::uint32_t>(depth * width);
-    s.line = arena.array<std::uint32_t>(2 * (width + 6));
-    s.count_sum = arena.array<std::uint32_t>(width);
-    s.deviation = arena.array<std::int16_t>(depth * width);
+    s.counts = arena.array<std::uint32_t>((depth > 16 ? depth : 16) * padded);
+    s.reciprocal = arena.array<std::uint32_t>(depth * padded);
+    s.ratio = arena.array<std::uint32_t>(depth * padded);
+    s.line = arena.array<std::uint32_t>(2 * (padded + 6));
+    s.count_sum = arena.array<std::uint32_t>(padded);
+    s.deviation = arena.array<std::int16_t>(depth * padded);
     for (std::span<std::uint32_t>* values :
          {&s.row.mean, &s.row.half, &s.row.scale, &s.row.square, &s.row.noise})
-      *values = arena.array<std::uint32_t>(width);
-    s.row.low = arena.array<std::int32_t>(width);
-    s.row.high = arena.array<std::int32_t>(width);
-    s.row.limit = arena.array<std::int16_t>(width);
-    s.row.factor = arena.array<std::uint16_t>(width);
-    s.row.gain = arena.array<std::uint16_t>(width);
+      *values = arena.array<std::uint32_t>(padded);
+    s.row.low = arena.array<std::int32_t>(padded);
+    s.row.high = arena.array<std::int32_t>(padded);
+    s.row.limit = arena.array<std::int16_t>(padded);
+    s.row.factor = arena.array<std::uint16_t>(padded);
+    s.row.gain = arena.array<std::uint16_t>(padded);
   }
 }
 
@@ -162,15 +163,17 @@ void FocusInput::rows(int part, int parts) noexcept {
 void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept {
   const SupportScale& scale = scale_[side / 2];
   const auto width = static_cast<std::size_t>(cells_.width);
+  const std::size_t padded = s.count_sum.size();
+  const auto stride = static_cast<std::int32_t>(padded);
   const std::size_t at = static_cast<std::size_t>(y) * width;
-  const std::span<std::uint32_t> counts = s.counts.first(static_cast<std::size_t>(used_) * width);
+  const std::span<std::uint32_t> counts = s.counts.first(static_cast<std::size_t>(used_) * padded);
   const std::span<std::uint32_t> ratio = s.ratio.first(counts.size());
-  support_row(sums(3, 0).data(), nullptr, used_, cells_, side, y, s.line, counts.data());
+  support_row(sums(3, 0).data(), nullptr, used_, cells_, side, y, s.line, stride, counts.data());
   for (std::uint32_t& sum : s.count_sum) sum = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(used_); ++k)
-    for (std::size_t x = 0; x < width; ++x) s.count_sum[x] += counts[k * width + x];
+    for (std::size_t x = 0; x < padded; ++x) s.count_sum[x] += counts[k * padded + x];
   if (side == 1 || side == 7)
-    density_row(scale, s.count_sum, used_, &context_[(side == 1 ? 0 : cells_.size()) + at]);
+    density_row(scale, s.count_sum.first(width), used_, &context_[(side == 1 ? 0 : cells_.size()) + at]);
   if (!has_map(side)) return;
   reciprocals(scale, counts, s.reciprocal.data());
   noise_row(scale, s.count_sum, used_, s.row.noise);
@@ -180,9 +183,9 @@ void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept
     const FocusMapKind kind = config_.maps[m].kind;
     const std::size_t first = kind == FocusMapKind::kSquares ? 2 : (kind == FocusMapKind::kGradientY ? 1 : 0);
     const std::uint16_t* const second = kind == FocusMapKind::kGradient ? sums(1, 0).data() : nullptr;
-    support_row(sums(first, 0).data(), second, used_, cells_, side, y, s.line, ratio.data());
+    support_row(sums(first, 0).data(), second, used_, cells_, side, y, s.line, stride, ratio.data());
     sharpness_row(scale, floor_noise_q20_, used_, s.reciprocal.first(ratio.size()), ratio, s.deviation, s.row,
-                  &focus_[m * cells_.size() + at], maps * cells_.size(),
+                  width, &focus_[m * cells_.size() + at], maps * cells_.size(),
                   &context_[(2 + m) * cells_.size() + at]);
   }
 }

@@ -17,11 +17,15 @@ constexpr std::size_t half_counts_bytes(std::size_t cells) noexcept {
 /// counts: [cells]; out: half_counts_bytes(cells); an odd last cell has a zero beside it. Thread: any. RT:
 /// yes.
 inline void pack_half_counts(std::span<const std::uint8_t> counts, std::uint8_t* out) noexcept {
-  const auto capped = [&](std::size_t i) noexcept {
-    return i < counts.size() ? (counts[i] < kMostHalfCounts ? counts[i] : kMostHalfCounts) : 0;
+  const auto capped = [](std::uint8_t count) noexcept {
+    return count < kMostHalfCounts ? count : kMostHalfCounts;
   };
-  for (std::size_t i = 0; i < counts.size(); i += 2)
-    *out++ = static_cast<std::uint8_t>(capped(i) | capped(i + 1) << 4);
+  const std::uint8_t* const from = counts.data();
+  std::uint8_t* __restrict const to = out;
+  const std::size_t whole = counts.size() / 2;
+  for (std::size_t i = 0; i < whole; ++i)
+    to[i] = static_cast<std::uint8_t>(capped(from[2 * i]) | capped(from[2 * i + 1]) << 4);
+  if (whole * 2 < counts.size()) to[whole] = capped(from[2 * whole]);
 }
 
 inline std::uint8_t half_count(const std::uint8_t* plane, std::size_t cell) noexcept {

@@ -6,6 +6,22 @@
 #include "pipeline/up_sample.hpp"
 
 namespace egofocus {
+namespace {
+
+// A row of `count` planes, a pixel's bytes side by side. Channels that have no plane have no weights either:
+// they repeat the first.
+template <std::int32_t kChannels>
+void interleave(const std::uint8_t* planes, std::size_t plane_size, std::int32_t count, std::int32_t width,
+                std::uint8_t* __restrict to) noexcept {
+  const std::uint8_t* from[kChannels];
+  for (std::int32_t c = 0; c < kChannels; ++c)
+    from[c] = planes + (c < count ? static_cast<std::size_t>(c) * plane_size : 0);
+  for (std::int32_t x = 0; x < width; ++x)
+    for (std::int32_t c = 0; c < kChannels; ++c) to[x * kChannels + c] = from[c][x];
+}
+
+}  // namespace
+
 CellDepth Network::run(const NetworkInputs& inputs, WorkerPool& pool) noexcept {
   EGOFOCUS_CHECK(inputs.used >= 1 && inputs.used <= facts_.ladder.hypotheses);
   inputs_ = inputs;
@@ -49,11 +65,11 @@ void Network::focus_costs(int part, int parts) noexcept {
   for (std::int32_t k = depth * part / parts; k < depth * (part + 1) / parts; ++k) {
     const std::uint8_t* plane =
         inputs_.focus.data() + static_cast<std::size_t>(k) * static_cast<std::size_t>(maps) * cells_.size();
-    for (std::int32_t y = 0; y < cells_.height; ++y) {
-      std::uint8_t* to = in.row(y);
-      for (std::int32_t x = 0; x < cells_.width; ++x, ++plane, to += in.shape.channels) {
-        for (std::int32_t m = 0; m < maps; ++m) to[m] = plane[static_cast<std::size_t>(m) * cells_.size()];
-        for (std::int32_t m = maps; m < in.shape.channels; ++m) to[m] = 0;  // has no weights
+    for (std::int32_t y = 0; y < cells_.height; ++y, plane += cells_.width) {
+      if (in.shape.channels == 4) {
+        interleave<4>(plane, cells_.size(), maps, cells_.width, in.row(y));
+      } else {
+        interleave<8>(plane, cells_.size(), maps, cells_.width, in.row(y));
       }
     }
     const Tensor* last_in = &in;

@@ -7,6 +7,7 @@
 namespace egofocus {
 namespace {
 
+constexpr std::int32_t kMost = 64;         // hypotheses
 constexpr std::uint32_t kOnePixel = 8192;  // of an index in 1/256 times a displacement in 1/32 px
 
 }  // namespace
@@ -21,18 +22,19 @@ void Regression::row(const std::int16_t* head, const std::int16_t* own, const st
                      std::int32_t width, std::int32_t hypotheses, std::int32_t used, std::uint16_t* index_q8,
                      std::uint8_t* confidence) const noexcept {
   for (std::int32_t x = 0; x < width; ++x, head += hypotheses, own += hypotheses) {
-    std::int32_t best = 0;
-    for (std::int32_t k = 1; k < used; ++k) {
-      if (head[k] + own[k] > head[best] + own[best]) best = k;
+    std::int32_t score[kMost];
+    std::int32_t most = head[0] + own[0];
+    for (std::int32_t k = 0; k < used; ++k) score[k] = head[k] + own[k];
+    for (std::int32_t k = 0; k < used; ++k) most = score[k] > most ? score[k] : most;
+    std::uint32_t p[kMost];
+    for (std::int32_t k = 0; k < used; ++k) {
+      const std::int32_t below = most - score[k];
+      p[k] = exponential_[below < kEntries ? below : kEntries - 1];
     }
-    const std::int32_t most = head[best] + own[best];
-    std::uint32_t p[64];
-    std::uint32_t weight[64] = {};
+    std::uint32_t weight[kMost] = {};
     std::uint32_t sum = 0;         // at most 64 * 65535
     std::uint32_t all_weight = 0;  // below 2^31
     for (std::int32_t k = 0; k < used; ++k) {
-      const std::int32_t below = most - head[k] - own[k];
-      p[k] = exponential_[below < kEntries ? below : kEntries - 1];
       weight[k] = p[k] * static_cast<std::uint32_t>(8 * k + 1);
       sum += p[k];
       all_weight += weight[k];
@@ -48,8 +50,9 @@ void Regression::row(const std::int16_t* head, const std::int16_t* own, const st
     const auto index = static_cast<std::uint32_t>(unclamped < 0 ? 0 : (unclamped < last ? unclamped : last));
     std::uint64_t squares = 0;  // at most 64 * 2^16 * 2^28
     for (std::int32_t k = 0; k < used; ++k) {
-      const auto off = static_cast<std::int64_t>(256 * k) - static_cast<std::int64_t>(index);
-      squares += p[k] * static_cast<std::uint64_t>(off * off);
+      const std::uint32_t off =
+          static_cast<std::uint32_t>(256 * k) - index;  // or less than 0: its square is the same
+      squares += static_cast<std::uint64_t>(p[k]) * (off * off);
     }
     const std::uint32_t spread = floor_square_root_u32(static_cast<std::uint32_t>(squares / sum));
     const std::uint32_t step = shift[x] > kInputZero ? shift[x] - kInputZero : 0u;  // below 2^6

@@ -6,8 +6,8 @@
 namespace egofocus {
 namespace {
 
-constexpr std::uint32_t kMostRatio = (1u << 26) - (1u << 13);  // 64 of them, or one times 64, fit 32 bits
-constexpr std::uint32_t kMostRatioBits = 13;                   // so that R saturates at 8191 or beyond
+constexpr std::int32_t kMostRatio = (1 << 26) - (1 << 13);  // 64 of them, or one times 64, fit 32 bits
+constexpr std::uint32_t kMostRatioBits = 13;                // so that R saturates at 8191 or beyond
 constexpr std::uint32_t kDeviationBits = 13;
 constexpr std::int32_t kMostDeviation = 8191;  // 64 of its squares fit 32 bits
 
@@ -21,31 +21,31 @@ std::uint8_t log_byte(std::uint32_t above_q8, std::uint32_t below_q8) noexcept {
   return input_byte((above_q8 - below_q8 + 16) >> 5, false);
 }
 
-// R of all hypotheses, and its sum, smallest and largest.
-void ratios(const SupportScale& scale, std::size_t count, std::span<const std::uint32_t> reciprocal,
-            std::span<std::uint32_t> ratio, const SharpnessRow& row) noexcept {
-  const std::size_t width = row.mean.size();
-  std::uint32_t* const sum = row.mean.data();
-  std::int32_t* const low = row.low.data();
-  std::int32_t* const high = row.high.data();
+// A compiler sees that there is no remainder.
+std::size_t whole_groups(std::size_t padded) noexcept {
+  return padded / kCellGroup * kCellGroup;
+}
+
+// A padded row of bytes before its first `width` leave, where `low` is not needed any more.
+std::uint8_t* bytes_of(const SharpnessRow& row) noexcept {
+  return reinterpret_cast<std::uint8_t*>(row.low.data());
+}
+
+// R of one hypothesis, and its sum, smallest and largest.
+void ratios(const SupportScale& scale, const std::uint32_t* reciprocal, std::uint32_t* __restrict ratio,
+            const SharpnessRow& row) noexcept {
+  const std::size_t width = whole_groups(row.mean.size());
+  const std::uint32_t shift = scale.energy_shift;
+  std::uint32_t* __restrict const sum = row.mean.data();
+  std::int32_t* __restrict const low = row.low.data();
+  std::int32_t* __restrict const high = row.high.data();
   for (std::size_t x = 0; x < width; ++x) {
-    sum[x] = 0;
-    low[x] = kMostRatio;
-    high[x] = 0;
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    std::uint32_t* const r = ratio.data() + k * width;
-    const std::uint32_t* const one_over = reciprocal.data() + k * width;
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::uint32_t quotient = multiply_high_u32(r[x] << scale.energy_shift, one_over[x]);
-      r[x] = quotient < kMostRatio ? quotient : kMostRatio;
-    }
-    for (std::size_t x = 0; x < width; ++x) {
-      const auto value = static_cast<std::int32_t>(r[x]);
-      sum[x] += r[x];
-      low[x] = value < low[x] ? value : low[x];
-      high[x] = value > high[x] ? value : high[x];
-    }
+    const auto high_half = static_cast<std::int32_t>(multiply_high_u32(ratio[x] << shift, reciprocal[x]));
+    const std::int32_t value = high_half < kMostRatio ? high_half : kMostRatio;
+    ratio[x] = static_cast<std::uint32_t>(value);
+    sum[x] += static_cast<std::uint32_t>(value);
+    low[x] = value < low[x] ? value : low[x];
+    high[x] = value > high[x] ? value : high[x];
   }
 }
 
@@ -66,27 +66,27 @@ void centre(std::uint32_t hypotheses, const SharpnessRow& row) noexcept {
 }
 
 // u of one hypothesis, and its square into V.
-void deviations(std::span<const std::uint32_t> ratio, const SharpnessRow& row, std::int16_t* out) noexcept {
-  const std::uint32_t* const r = ratio.data();
+void deviations(const std::uint32_t* ratio, const SharpnessRow& row, std::int16_t* __restrict out) noexcept {
+  const std::size_t width = whole_groups(row.mean.size());
   const std::uint32_t* const mean = row.mean.data();
   const std::uint32_t* const half = row.half.data();
   const std::uint32_t* const scale = row.scale.data();
-  for (std::size_t x = 0; x < ratio.size(); ++x) {
-    const auto d = static_cast<std::int32_t>(r[x] - mean[x]);
+  for (std::size_t x = 0; x < width; ++x) {
+    const auto d = static_cast<std::int32_t>(ratio[x] - mean[x]);
     const std::uint32_t size = static_cast<std::uint32_t>(d < 0 ? -d : d) + half[x];
     const auto shifted = static_cast<std::int32_t>(multiply_high_u32(size << 6, scale[x]));
     const std::int32_t u = shifted < kMostDeviation ? shifted : kMostDeviation;
     out[x] = static_cast<std::int16_t>(d < 0 ? -u : u);
   }
-  std::uint32_t* const square = row.square.data();
-  for (std::size_t x = 0; x < ratio.size(); ++x)
+  std::uint32_t* __restrict const square = row.square.data();
+  for (std::size_t x = 0; x < width; ++x)
     square[x] += static_cast<std::uint32_t>(static_cast<std::int32_t>(out[x]) * out[x]);
 }
 
-void divisors(std::uint32_t hypotheses, std::uint32_t floor_noise_q20, const SharpnessRow& row,
-              std::uint8_t* contrast_out) noexcept {
-  const std::size_t width = row.mean.size();
+void divisors(std::uint32_t hypotheses, std::uint32_t floor_noise_q20, const SharpnessRow& row) noexcept {
+  const std::size_t width = whole_groups(row.mean.size());
   std::uint32_t* const sd = row.square.data();
+  std::uint8_t* const contrast = bytes_of(row);
   for (std::size_t x = 0; x < width; ++x)
     sd[x] = static_cast<std::uint32_t>((static_cast<std::uint64_t>(sd[x]) << 6) / hypotheses);
   for (std::size_t x = 0; x < width; ++x) sd[x] = 4 * floor_square_root_u32(sd[x]);
@@ -102,17 +102,18 @@ void divisors(std::uint32_t hypotheses, std::uint32_t floor_noise_q20, const Sha
     row.factor[x] = static_cast<std::uint16_t>(1u << e);
     row.gain[x] = static_cast<std::uint16_t>(gain < 65535 ? gain : 65535);
     row.limit[x] = static_cast<std::int16_t>(limit < kMostDeviation ? limit : kMostDeviation);
-    contrast_out[x] = log_byte(log2_q8((sd[x] << h) + q), log2_q8(q));
+    contrast[x] = log_byte(log2_q8((sd[x] << h) + q), log2_q8(q));
   }
 }
 
 // z of one hypothesis, half away from zero.
-void quotients(std::span<const std::int16_t> deviation, const SharpnessRow& row, std::uint8_t* out) noexcept {
-  const std::int16_t* const u = deviation.data();
+void quotients(const std::int16_t* u, const SharpnessRow& row) noexcept {
+  const std::size_t width = whole_groups(row.mean.size());
+  std::uint8_t* __restrict const out = bytes_of(row);
   const std::int16_t* const limit = row.limit.data();
   const std::uint16_t* const factor = row.factor.data();
   const std::uint16_t* const gain = row.gain.data();
-  for (std::size_t x = 0; x < deviation.size(); ++x) {
+  for (std::size_t x = 0; x < width; ++x) {
     const auto size = static_cast<std::int16_t>(u[x] < 0 ? -u[x] : u[x]);
     const std::int16_t near = size < limit[x] ? size : limit[x];
     const auto wide = static_cast<std::uint16_t>(near * factor[x]);
@@ -154,11 +155,17 @@ SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) n
   return out;
 }
 
+// Quotients of binary64, truncated: exact, as numerators of 2^46 and less leave no quotient within a rounding
+// of the integer above it. Vector units divide these, and 64-bit integers few of them.
 void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> counts,
                  std::uint32_t* out) noexcept {
-  const std::uint64_t one = std::uint64_t{1} << scale.reciprocal_shift;
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    out[i] = static_cast<std::uint32_t>(one / ((counts[i] << scale.count_shift) + scale.floor));
+  const auto one = static_cast<double>(std::uint64_t{1} << scale.reciprocal_shift);
+  std::uint32_t* __restrict const to = out;
+  const std::size_t size = whole_groups(counts.size());
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto divisor = static_cast<std::int32_t>((counts[i] << scale.count_shift) + scale.floor);  // < 2^28
+    to[i] = static_cast<std::uint32_t>(static_cast<std::int64_t>(one / divisor));
+  }
 }
 
 void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
@@ -174,17 +181,25 @@ void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_s
 
 void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std::int32_t hypotheses,
                    std::span<const std::uint32_t> reciprocal, std::span<std::uint32_t> ratio,
-                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::uint8_t* z_out,
-                   std::size_t stride, std::uint8_t* contrast_out) noexcept {
-  const std::size_t width = row.mean.size();
+                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::size_t width,
+                   std::uint8_t* z_out, std::size_t stride, std::uint8_t* contrast_out) noexcept {
+  const std::size_t padded = row.mean.size();
   const auto count = static_cast<std::size_t>(hypotheses);
-  ratios(scale, count, reciprocal, ratio, row);
+  EGOFOCUS_CHECK(padded == padded_row(width));
+  for (std::size_t x = 0; x < padded; ++x) {
+    row.mean[x] = 0;
+    row.low[x] = kMostRatio;
+    row.high[x] = 0;
+  }
+  for (std::size_t k = 0; k < count; ++k) ratios(scale, &reciprocal[k * padded], &ratio[k * padded], row);
   centre(static_cast<std::uint32_t>(hypotheses), row);
-  for (std::size_t k = 0; k < count; ++k)
-    deviations(ratio.subspan(k * width, width), row, deviation.data() + k * width);
-  divisors(static_cast<std::uint32_t>(hypotheses), floor_noise_q20, row, contrast_out);
-  for (std::size_t k = 0; k < count; ++k)
-    quotients(deviation.subspan(k * width, width), row, z_out + k * stride);
+  for (std::size_t k = 0; k < count; ++k) deviations(&ratio[k * padded], row, &deviation[k * padded]);
+  divisors(static_cast<std::uint32_t>(hypotheses), floor_noise_q20, row);
+  __builtin_memcpy(contrast_out, bytes_of(row), width);
+  for (std::size_t k = 0; k < count; ++k) {
+    quotients(&deviation[k * padded], row);
+    __builtin_memcpy(z_out + k * stride, bytes_of(row), width);
+  }
 }
 
 void density_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,

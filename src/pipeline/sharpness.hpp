@@ -34,14 +34,21 @@ struct SupportScale {
 /// side: 1, 3, 5 or 7; floor_events_milli: 20..2000.
 SupportScale support_scale(std::int32_t side, std::int32_t floor_events_milli) noexcept;
 
-/// floor(2^c / D) of n supported counts, D = counts 2^b + floor. counts <= 4080 side^4.
+/// floor(2^c / D) of whole groups of supported counts, D = counts 2^b + floor. counts <= 4080 side^4.
 void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> counts,
                  std::uint32_t* out) noexcept;
 
-/// One row of cells: arrays of `width` values.
+/// Rows of cells are padded to whole groups of this many: no loop over one has a remainder. What stands in
+/// the padding is any value that a cell may have, and comes to nothing.
+inline constexpr std::size_t kCellGroup = 8;
+constexpr std::size_t padded_row(std::size_t width) noexcept {
+  return (width + kCellGroup - 1) / kCellGroup * kCellGroup;
+}
+
+/// One row of cells: arrays of padded_row(width) values.
 struct SharpnessRow {
   std::span<std::uint32_t> mean;  // of R; its sum to begin with
-  std::span<std::int32_t> low;    // smallest and largest R
+  std::span<std::int32_t> low;    // smallest and largest R; low then holds an output's bytes
   std::span<std::int32_t> high;
   std::span<std::uint32_t> half;    // 2^h / 2
   std::span<std::uint32_t> scale;   // 2^(26 - h)
@@ -56,13 +63,13 @@ struct SharpnessRow {
 void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
                std::span<std::uint32_t> noise) noexcept;
 
-/// ratio: energies [hypotheses][width], turned into R. deviation: scratch of the same size. z_out + k *
-/// stride: bytes [width] of hypothesis k; contrast_out: bytes [width]. `row.noise` is noise_row()'s;
-/// floor_noise_q20: 2^16..2^23.
+/// Rows of ratio, reciprocal and deviation are padded. ratio: energies [hypotheses][row], turned into R.
+/// deviation: scratch of the same size. z_out + k * stride: bytes [width] of hypothesis k; contrast_out:
+/// bytes [width]. `row.noise` is noise_row()'s; floor_noise_q20: 2^16..2^23.
 void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std::int32_t hypotheses,
                    std::span<const std::uint32_t> reciprocal, std::span<std::uint32_t> ratio,
-                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::uint8_t* z_out,
-                   std::size_t stride, std::uint8_t* contrast_out) noexcept;
+                   std::span<std::int16_t> deviation, const SharpnessRow& row, std::size_t width,
+                   std::uint8_t* z_out, std::size_t stride, std::uint8_t* contrast_out) noexcept;
 
 /// log2(1 + events per cell of the support) / 4, the mean over the hypotheses. out: bytes [width].
 void density_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,

@@ -43,6 +43,7 @@ std::vector<ConvCaseShape> shapes() {
        {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 15, 16, 17, 23, 24, 25, 31, 32, 33, 35, 49, 67}) {
     for (std::int32_t o : {1, 4, 8, 16, 48}) all.push_back({8, o, 3, 1, 1, columns, 1, epilogue()});
     for (std::int32_t i : {4, 16}) all.push_back({i, 4, 1, 1, 1, columns, 2, epilogue()});
+    for (std::int32_t i : {4, 8}) all.push_back({i, 1, 1, 1, 1, columns, 2, ConvEpilogue::kScore});
   }
   for (ConvEpilogue each : kEveryEpilogue) {
     for (std::int32_t o : {1, 4, 8, 20, 35, 48, 80, 128}) {

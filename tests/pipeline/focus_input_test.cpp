@@ -162,34 +162,41 @@ TEST_CASE("one cell of four hypotheses, by hand") {
   CHECK(scale.reciprocal_shift == 45);
   CHECK(scale.noise == std::uint64_t{1} << 49);
   CHECK(scale.noise_shift == 2);
-  // Eight events each: D = 2^19.
-  const std::vector<std::uint32_t> counts(4, 8);
-  std::vector<std::uint32_t> reciprocal(4);
+  // Eight events each: D = 2^19. The cell stands first in a group of empty ones.
+  std::vector<std::uint32_t> counts(4 * kCellGroup);
+  for (std::size_t k = 0; k < 4; ++k) counts[k * kCellGroup] = 8;
+  std::vector<std::uint32_t> reciprocal(counts.size());
   reciprocals(scale, counts, reciprocal.data());
-  CHECK(reciprocal == std::vector<std::uint32_t>(4, 1u << 26));
-  std::uint32_t mean, half, shift, square, noise;
-  std::int32_t low, high;
-  std::int16_t limit;
-  std::uint16_t factor, gain;
-  const SharpnessRow row{{&mean, 1},   {&low, 1},   {&high, 1},  {&half, 1},   {&shift, 1},
-                         {&square, 1}, {&noise, 1}, {&limit, 1}, {&factor, 1}, {&gain, 1}};
-  const std::uint32_t count_sum = 32;
-  noise_row(scale, {&count_sum, 1}, 4, {&noise, 1});
-  CHECK(noise == 1u << 17);  // q = sqrt(4 / (16 (1/2 + 1/2))) = 1/2
+  CHECK(reciprocal[0] == 1u << 26);
+  CHECK(reciprocal[1] == 1u << 27);
+  std::uint32_t mean[kCellGroup], half[kCellGroup], shift[kCellGroup], square[kCellGroup], noise[kCellGroup];
+  std::int32_t low[kCellGroup], high[kCellGroup];
+  std::int16_t limit[kCellGroup];
+  std::uint16_t factor[kCellGroup], gain[kCellGroup];
+  const SharpnessRow row{mean, low, high, half, shift, square, noise, limit, factor, gain};
+  const std::uint32_t count_sum[kCellGroup] = {32};
+  noise_row(scale, count_sum, 4, noise);
+  CHECK(noise[0] == 1u << 17);  // q = sqrt(4 / (16 (1/2 + 1/2))) = 1/2
   // R = 1/2, 1, 0, 1/2; h = 0, u = 0, 4096, -4096, 0; V = 2^25, sd = 4 floor(sqrt(2^29)) = 92680;
   // the divisor is 92680 + 2^17 = 223752, G = 9597, and 4096 * 9597 / 2^16 = 599 makes 5 steps.
-  std::vector<std::uint32_t> ratio{8, 16, 0, 8};
-  std::vector<std::int16_t> deviation(4);
+  std::vector<std::uint32_t> ratio(counts.size());
+  ratio[0] = 8;
+  ratio[kCellGroup] = 16;
+  ratio[3 * kCellGroup] = 8;
+  std::vector<std::int16_t> deviation(counts.size());
   std::vector<std::uint8_t> z(4);
   std::uint8_t contrast = 0;
-  sharpness_row(scale, 1u << 20, 4, reciprocal, ratio, deviation, row, z.data(), 1, &contrast);
-  CHECK(ratio == std::vector<std::uint32_t>{1u << 12, 1u << 13, 0, 1u << 12});
-  CHECK(deviation == std::vector<std::int16_t>{0, 4096, -4096, 0});
-  CHECK(gain == 9597);
+  sharpness_row(scale, 1u << 20, 4, reciprocal, ratio, deviation, row, 1, z.data(), 1, &contrast);
+  for (std::size_t k = 0; k < 4; ++k) {
+    CAPTURE(k);
+    CHECK(ratio[k * kCellGroup] == std::vector<std::uint32_t>{1u << 12, 1u << 13, 0, 1u << 12}[k]);
+    CHECK(deviation[k * kCellGroup] == std::vector<std::int16_t>{0, 4096, -4096, 0}[k]);
+  }
+  CHECK(gain[0] == 9597);
   CHECK(z == std::vector<std::uint8_t>{64, 69, 59, 64});  // 8 * 0.5 / (0.354 + 0.5) = 4.7
   CHECK(contrast == 64 + 6);                              // 8 log2(1.707) = 6.2
   std::uint8_t density = 0;
-  density_row(scale, {&count_sum, 1}, 4, &density);
+  density_row(scale, {count_sum, 1}, 4, &density);
   CHECK(density == 64 + 25);  // 8 log2(1 + 8) = 25.4
 }
 
