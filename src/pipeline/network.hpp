@@ -96,6 +96,7 @@ class Network {
   void scores(int part, int parts) noexcept;
   void refine_input(int part, int parts) noexcept;
   void refine_output(int part, int parts) noexcept;
+  void nearer_at_borders(int part, int parts) noexcept;
   void refine(WorkerPool& pool) noexcept;
   void show(const char* name, const Tensor& tensor) const noexcept;
 
@@ -117,7 +118,7 @@ class Network {
   std::int16_t* scores_[WorkerPool::kMaxParts] = {};  // head, own: [width][D] each
   std::uint16_t* index_4_ = nullptr;
   std::uint8_t* confidence_4_ = nullptr;
-  std::uint16_t* start_ = nullptr;  // index up-sampled to halves
+  std::uint16_t* start_ = nullptr;  // index up-sampled to halves; then refined
   std::int16_t* change_ = nullptr;
   std::span<std::uint16_t> index_q8_;
   std::span<std::uint8_t> confidence_;

@@ -9,6 +9,15 @@ namespace egofocus {
 namespace {
 
 constexpr std::int32_t kGuideAt = 4;  // channels of the refinement's input: place, three counts, guide
+constexpr std::int32_t kBorder_q8 = 2 * 256;
+
+struct Span {
+  std::uint16_t least, most;
+};
+
+Span over(Span a, Span b) noexcept {
+  return {a.least < b.least ? a.least : b.least, a.most > b.most ? a.most : b.most};
+}
 
 }  // namespace
 
@@ -45,14 +54,37 @@ void Network::refine_input(int part, int parts) noexcept {
 
 void Network::refine_output(int part, int parts) noexcept {
   const std::int32_t width = halves_.width;
-  const std::int32_t most = 256 * (inputs_.used - 1);
+  const std::int32_t last = 256 * (inputs_.used - 1);
   for (std::int32_t y = halves_.height * part / parts; y < halves_.height * (part + 1) / parts; ++y) {
     const std::uint8_t* const trust = confidence_4_ + y / 2 * cells_.width;
     for (std::int32_t x = 0; x < width; ++x) {
       const auto at = static_cast<std::size_t>(y * width + x);
-      index_q8_[at] = static_cast<std::uint16_t>(clamp_s32(start_[at] + change_[at], 0, most));
+      start_[at] = static_cast<std::uint16_t>(clamp_s32(start_[at] + change_[at], 0, last));
       confidence_[at] = trust[x / 2] > 0 ? trust[x / 2] : std::uint8_t{1};
     }
+  }
+}
+
+// Where 3x3 cells span more than a border, the largest index of them. A cell beyond the edge is its neighbour
+// again.
+void Network::nearer_at_borders(int part, int parts) noexcept {
+  const std::int32_t width = halves_.width;
+  for (std::int32_t y = halves_.height * part / parts; y < halves_.height * (part + 1) / parts; ++y) {
+    const std::uint16_t* const row = start_ + y * width;
+    const std::uint16_t* const above = y > 0 ? row - width : row;
+    const std::uint16_t* const below = y + 1 < halves_.height ? row + width : row;
+    std::uint16_t* const to = index_q8_.data() + y * width;
+    const auto column = [=](std::int32_t x) noexcept {
+      return over(over({above[x], above[x]}, {row[x], row[x]}), {below[x], below[x]});
+    };
+    const auto cell = [=](std::int32_t left, std::int32_t x, std::int32_t right) noexcept {
+      const Span span = over(over(column(left), column(x)), column(right));
+      return span.most - span.least > kBorder_q8 ? span.most : row[x];
+    };
+    const std::int32_t last = width - 1;
+    to[0] = cell(0, 0, last > 0 ? 1 : 0);
+    for (std::int32_t x = 1; x < last; ++x) to[x] = cell(x - 1, x, x + 1);
+    to[last] = cell(last > 0 ? last - 1 : 0, last, last);
   }
 }
 
@@ -78,6 +110,7 @@ void Network::refine(WorkerPool& pool) noexcept {
     last_.scores(*from, change_, 2, 2 * halves_.width, first, end - first);
     refine_output(part, parts);
   });
+  in_parts(pool, [this](int part, int parts) noexcept { nearer_at_borders(part, parts); });
 }
 
 }  // namespace egofocus

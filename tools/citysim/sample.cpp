@@ -42,10 +42,10 @@ WindowEnd window_end(const World& world, std::int64_t end_us) {
   return {end_us, true_ladder(world, end_us)};
 }
 
-/// A random time, preferably one with parallax.
+/// A random time, preferably one with parallax, often one whose parallax fills the ladder.
 WindowEnd draw_end(const World& world, double duration_s, Random& random) {
   const int tries = random.chance(0.9) ? 12 : 1;
-  const double enough_px = random.chance(0.75) ? kFullParallax_px : 0;
+  const double enough_px = random.chance(0.4) ? kFullParallax_px : 0;
   WindowEnd best;
   for (int i = 0; i < tries; ++i) {
     const auto at_us = static_cast<std::int64_t>(1e6 * random.uniform(kEarliest_s, duration_s - 0.3));

@@ -10,11 +10,12 @@ import numpy as np
 from .errors import DIVERGED, TrainingError
 from .model.aggregation import SCORE
 from .model.bytes import rounded_weights
-from .model.refinement import STEP
+from .model.refinement import BORDER, STEP
 from .units import CONTEXT, FOCUS, HIGH, ZERO
 
 EXP = np.rint(65535 * np.exp(-np.arange(512) * SCORE)).astype(np.int64)  # a score d / 32 below the best
 MOST_COUNTS = 15
+BORDER_Q8 = round(BORDER / STEP)
 ONE_PX = round(1 / STEP / CONTEXT)  # of an index times a context byte
 
 
@@ -63,6 +64,12 @@ def twice_as_large(x, height, width):
         return np.stack([3 * x + before, 3 * x + after], axis + 1 if axis >= 0 else x.ndim + axis + 1).reshape(shape)
 
     return between(between(x.astype(np.int64), x.ndim - 2), x.ndim - 1)[..., :height, :width]
+
+
+def _nearer_at_borders(index):
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(index, 1, mode="edge"), (3, 3))
+    nearest = around.max((2, 3))
+    return np.where(nearest - around.min((2, 3)) > BORDER_Q8, nearest, index)
 
 
 def _rounded_16(x):
@@ -167,7 +174,7 @@ class IntegerModel:
         for layer in self.body:
             x = layer.relu(x)
         out["refined"] = x
-        return np.clip(start + self.last.requantised(x)[0], 0, 256 * (used - 1)).astype(np.uint16)
+        return _nearer_at_borders(np.clip(start + self.last.requantised(x)[0], 0, 256 * (used - 1))).astype(np.uint16)
 
 
 def _conv(layer, scale_in, scale_out, zero=0):

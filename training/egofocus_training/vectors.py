@@ -80,13 +80,17 @@ def windows(config, width, height, count):
 
 
 def small_network(seed=3):
-    """(config, quantised network) with every weight away from its start."""
+    """(config, quantised network) with every weight away from its start, whose indices differ widely between neighbours."""
     torch.manual_seed(seed)
     config = parse_config(SMALL, "vectors")
     network = FocusNetwork(config.input, config.network)
     for parameter in network.parameters():
         torch.nn.init.normal_(parameter, 0.1 if parameter.ndim == 1 else 0.0, 0.1)
-    torch.nn.init.normal_(network.refinement.last.weight, 0.0, 0.02)
+    for module in network.modules():
+        if isinstance(module, torch.nn.BatchNorm2d):
+            torch.nn.init.normal_(module.weight, 1.0, 0.2)
+    torch.nn.init.normal_(network.aggregation.head.weight, 0.0, 2.0)
+    torch.nn.init.normal_(network.refinement.last.weight, 0.0, 0.05)
     batches = [{name: torch.as_tensor(value)[None] for name, value in random_window(config, s, 52, 36, 13).items()} for s in range(4)]
     network.train()
     for batch in batches:

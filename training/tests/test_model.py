@@ -12,7 +12,7 @@ from egofocus_training.model.feature_pyramid import FeaturePyramid
 from egofocus_training.model.ihca import InterHypothesisBlock
 from egofocus_training.model.layers import neighbours, per_hypothesis, twice_as_large
 from egofocus_training.model.network import FocusNetwork
-from egofocus_training.model.refinement import Refinement, gather_focused
+from egofocus_training.model.refinement import Refinement, gather_focused, nearer_at_borders
 from egofocus_training.model.regression import confidence, distribution, expected_index, median_index
 
 
@@ -134,6 +134,13 @@ def test_refinement_begins_as_the_prediction_and_stays_inside_the_ladder():
     with torch.no_grad():
         stage.last.bias.fill_(100.0)
     assert stage(index, half, torch.zeros(1, 16, 5, 6), torch.tensor([6])).unique().tolist() == [5]
+
+
+def test_borders_belong_to_the_nearer_surface():
+    index = torch.tensor([[[3.0, 3, 3.5, 5, 8, 8], [3, 3, 3, 3, 3, 3], [3, 3, 3, 3, 3, 3]]])
+    # Two hypotheses, as from 3 to 5, are no border yet.
+    expected = [[3, 3, 3.5, 8, 8, 8], [3, 3, 3, 8, 8, 8], [3, 3, 3, 3, 3, 3]]
+    assert nearer_at_borders(index).tolist() == [expected]
 
 
 @pytest.mark.parametrize("order, ihca", [("focus_first", 0), ("focus_first", 1), ("published", 1)])

@@ -1,11 +1,13 @@
 """Refinement at 1/2: borders, from the image of warped events that the prediction brings into focus.
 
-    i_2 = up(i_4);  x = [i_2 / D, I_k for k = floor(i_2 + 1/2) - 1, 0, +1, guide];  i = clamp(i_2 + r(x), 0, K - 1)
+    i_2 = up(i_4);  x = [i_2 / D, I_k for k = floor(i_2 + 1/2) - 1, 0, +1, guide];  i = near(clamp(i_2 + r(x), 0, K - 1))
 
 r: 3x3 convolutions with dilations. I: counts over 2x2 px, compressed as min(n, 15) / 4. guide: up(relu(conv b_4)).
+near: at borders the nearer surface, once trained.
 """
 import torch
 from torch import nn
+from torch.nn import functional
 
 from .bytes import Bytes, Conv, ConvBnRelu
 from .layers import twice_as_large
@@ -13,6 +15,7 @@ from .layers import twice_as_large
 _GUIDE = 4
 COUNT = 1 / 4  # unit of the counts
 STEP = 1 / 256  # unit of indices, in hypotheses
+BORDER = 2.0  # hypotheses between two surfaces
 _MOST_COUNTS = 15.0
 
 
@@ -26,6 +29,14 @@ def gather_focused(half, index):
         plane = half.gather(1, k.clamp(0, depth - 1)[:, None])[:, 0].to(index.dtype)
         planes.append(plane.clamp(max=_MOST_COUNTS) * COUNT * ((k >= 0) & (k < depth)))
     return torch.stack(planes, 1)
+
+
+def nearer_at_borders(index):
+    """[B, h, w]: the largest of 3x3 where these span more than BORDER. The events of an occluding contour are those of the
+    nearer surface; convolutions smear it over what is behind."""
+    nearest = functional.max_pool2d(index[:, None], 3, 1, 1)[:, 0]
+    farthest = -functional.max_pool2d(-index[:, None], 3, 1, 1)[:, 0]
+    return torch.where(nearest - farthest > BORDER, nearest, index)
 
 
 class Refinement(nn.Module):
@@ -50,7 +61,8 @@ class Refinement(nn.Module):
         guide = self.large_guide(twice_as_large(self.guide(features), half))
         x = torch.cat([self.place(start) / self.hypotheses, gather_focused(half, start[:, 0]), guide], 1)
         refined = start + self.change(self.last(self.body(self.first(x))).float())
-        return torch.minimum(refined[:, 0].clamp(min=0), (used - 1)[:, None, None].to(refined.dtype))
+        index = torch.minimum(refined[:, 0].clamp(min=0), (used - 1)[:, None, None].to(refined.dtype))
+        return index if self.training else nearer_at_borders(index)
 
     def one_scale(self):
         """Lists of Bytes that share a scale."""
