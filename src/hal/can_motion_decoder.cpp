@@ -27,24 +27,6 @@ bool is_finite(double value) noexcept {
   return value - value == 0;
 }
 
-// False unless the map names each sensor axis once.
-bool is_permutation(const AxisMap& map) noexcept {
-  unsigned seen = 0;
-  for (const int from : map.from) {
-    const int axis = from < 0 ? -from : from;
-    if (axis < 1 || axis > 3) return false;
-    seen |= 1u << axis;
-  }
-  return seen == 0b1110;
-}
-
-void map_axes(const AxisMap& map, const double* sensor, double (&body)[3]) noexcept {
-  for (int i = 0; i < 3; ++i) {
-    const int from = map.from[i];
-    body[i] = from < 0 ? -sensor[-from - 1] : sensor[from - 1];
-  }
-}
-
 // Configured names may lack their NUL.
 std::string_view name_of(const char (&text)[kMaxDbcName + 1]) noexcept {
   std::size_t length = 0;
