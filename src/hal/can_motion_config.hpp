@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "hal/axis_map.hpp"
 #include "hal/dbc.hpp"
 
 namespace egofocus {
@@ -43,12 +44,6 @@ struct CanSignalRole {
   double offset = 0;
   /// Raw values above it say "not available" or "error" (J1939: 0xFAFF); the sample is dropped and counted.
   std::uint64_t raw_max = UINT64_MAX;
-};
-
-/// body[i] = sensor axis |from[i]|, 1 = x, 2 = y, 3 = z, with the sign of from[i]. Handedness is not asked
-/// for: some sensors send a left-handed frame.
-struct AxisMap {
-  std::int8_t from[3] = {1, 2, 3};
 };
 
 struct CanMotionConfig {

@@ -28,28 +28,10 @@ bool is_finite(double value) noexcept {
   return value - value == 0;
 }
 
-// False unless the map names each sensor axis once.
-bool is_permutation(const AxisMap& map) noexcept {
-  unsigned seen = 0;
-  for (const int from : map.from) {
-    const int axis = from < 0 ? -from : from;
-    if (axis < 1 || axis > 3) return false;
-    seen |= 1u << axis;
-  }
-  return seen == 0b1110;
-}
-
 // SAE J1939-21: priority (3 bits), parameter group (18), source address (8). Where the group's PF byte is
 // below 240, its lowest byte is the destination and not part of the group.
 std::uint32_t parameter_group_mask(std::uint32_t id) noexcept {
   return (id >> 16 & 0xFF) < 240 ? 0x03FF0000 : 0x03FFFF00;
-}
-
-void map_axes(const AxisMap& map, const double* sensor, double (&body)[3]) noexcept {
-  for (int i = 0; i < 3; ++i) {
-    const int from = map.from[i];
-    body[i] = from < 0 ? -sensor[-from - 1] : sensor[from - 1];
-  }
 }
 
 // Configured names may lack their NUL.
