@@ -14,6 +14,7 @@ libeigen3-dev /usr/include/eigen3/Eigen/Core,/usr/local/include/eigen3/Eigen/Cor
 libtomlplusplus-dev /usr/include/toml++/toml.h,/usr/local/include/toml++/toml.h
 libcli11-dev /usr/include/CLI/CLI.hpp,/usr/local/include/CLI/CLI.hpp
 libpng-dev /usr/include/png.h,/usr/local/include/png.h
+libusb-1.0-0-dev /usr/include/libusb-1.0/libusb.h,/usr/local/include/libusb-1.0/libusb.h
 ROWS
       ;;
     test) cat <<'ROWS'

@@ -50,7 +50,15 @@ typedef enum egofocus_status_code {
   EGOFOCUS_BAD_CARRY,
   EGOFOCUS_BAD_MODEL, /* value = place (byte), bound = what stands there */
   EGOFOCUS_UNSUPPORTED_MODEL,
-  EGOFOCUS_MODEL_MISMATCH /* value = configured, bound = the model's */
+  EGOFOCUS_MODEL_MISMATCH,   /* value = configured, bound = the model's */
+  EGOFOCUS_NO_DEVICE,        /* value = devices of the kind that were found */
+  EGOFOCUS_AMBIGUOUS_DEVICE, /* value = how many fit */
+  EGOFOCUS_NO_PERMISSION,    /* value = errno */
+  EGOFOCUS_DEVICE_BUSY,      /* value = errno */
+  EGOFOCUS_UNKNOWN_FIRMWARE, /* value = found, bound = known */
+  EGOFOCUS_UNSUPPORTED_DEVICE,
+  EGOFOCUS_BAD_DEVICE_SETTING, /* value = as configured */
+  EGOFOCUS_DEVICE_LOST         /* value = errno */
 } egofocus_status_code;
 
 typedef struct egofocus_status {

@@ -37,7 +37,15 @@ enum class StatusCode : std::uint8_t {
   kBadCarry,       ///< age, travel or view of carried depth out of range
   kBadModel,       ///< a model file that is damaged or none; value = place (byte), bound = what stands there
   kUnsupportedModel,  ///< a model of another version or with an unknown operator; bound = what is known
-  kModelMismatch,  ///< a model that does not fit the configuration; value = configured, bound = the model's
+  kModelMismatch,    ///< a model that does not fit the configuration; value = configured, bound = the model's
+  kNoDevice,         ///< no such device is there; value = devices of the kind that were found
+  kAmbiguousDevice,  ///< several devices fit; value = how many
+  kNoPermission,     ///< the system does not let this user open the device; value = errno
+  kDeviceBusy,       ///< another process holds the device; value = errno
+  kUnknownFirmware,  ///< value = found, bound = known
+  kUnsupportedDevice,  ///< a device of a kind that the library cannot drive; subject says why
+  kBadDeviceSetting,   ///< a setting that the device does not have or cannot take; value = as configured
+  kDeviceLost,         ///< unplugged, or it stopped answering; value = errno
 };
 
 /// `subject` is a static string that names the field or step; `value` and `bound` depend on the code.

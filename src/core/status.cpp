@@ -161,6 +161,56 @@ std::size_t Status::describe(std::span<char> out) const noexcept {
           .number(bound_)
           .text(".");
       break;
+    case StatusCode::kNoDevice:
+      line.text("no such device: ")
+          .text(subject_)
+          .text(" (of its kind there are ")
+          .number(value_)
+          .text("). `egofocus devices` lists what is on the bus.");
+      break;
+    case StatusCode::kAmbiguousDevice:
+      line.number(value_)
+          .text(" devices fit: ")
+          .text(subject_)
+          .text(". Name one by its serial number; `egofocus devices` lists them.");
+      break;
+    case StatusCode::kNoPermission:
+      line.text("no permission to open the device: ")
+          .text(subject_)
+          .text(" (errno ")
+          .number(value_)
+          .text(
+              "). Install 70-egofocus.rules in /etc/udev/rules.d, join the group plugdev, plug it in again.");
+      break;
+    case StatusCode::kDeviceBusy:
+      line.text("another process holds the device: ")
+          .text(subject_)
+          .text(" (errno ")
+          .number(value_)
+          .text("). Close the other viewer, driver or daemon.");
+      break;
+    case StatusCode::kUnknownFirmware:
+      line.text("unknown firmware: ")
+          .text(subject_)
+          .text(" is ")
+          .number(value_)
+          .text(", known is ")
+          .number(bound_)
+          .text(". docs/devices.md has what was read and why nothing is guessed.");
+      break;
+    case StatusCode::kUnsupportedDevice:
+      line.text("this device cannot be driven: ").text(subject_);
+      break;
+    case StatusCode::kBadDeviceSetting:
+      with_value("bad device setting", "docs/devices.md has names and ranges.");
+      break;
+    case StatusCode::kDeviceLost:
+      line.text("device lost: ")
+          .text(subject_)
+          .text(" (errno ")
+          .number(value_)
+          .text("). Check cable and power; it is opened again when it is back and reopening is on.");
+      break;
   }
   return line.close();
 }

@@ -14,4 +14,14 @@ struct CanFrame {
   std::uint8_t data[64] = {};
 };
 
+/// The frames of one kind whose id equals `id` in the bits of `mask`.
+struct CanFilter {
+  std::uint32_t id = 0;
+  std::uint32_t mask = 0;
+  bool extended = false;
+  [[nodiscard]] bool passes(const CanFrame& frame) const noexcept {
+    return frame.extended == extended && ((frame.id ^ id) & mask) == 0;
+  }
+};
+
 }  // namespace egofocus

@@ -21,6 +21,12 @@ constexpr UnitName kUnitNames[] = {
 
 }  // namespace
 
+std::int64_t can_lag_us(const CanMotionConfig& config) noexcept {
+  const std::int64_t delay =
+      config.imu_delay_us > config.odometry_delay_us ? config.imu_delay_us : config.odometry_delay_us;
+  return config.group_window_us + (delay > 0 ? delay : 0);
+}
+
 const char* to_string(CanRole role) noexcept {
   const auto index = static_cast<std::size_t>(role);
   return index < kCanRoles ? kRoleNames[index] : "unknown";

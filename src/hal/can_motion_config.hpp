@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "hal/axis_map.hpp"
 #include "hal/dbc.hpp"
 
 namespace egofocus {
@@ -45,12 +46,6 @@ struct CanSignalRole {
   std::uint64_t raw_max = UINT64_MAX;
 };
 
-/// body[i] = sensor axis |from[i]|, 1 = x, 2 = y, 3 = z, with the sign of from[i]. Handedness is not asked
-/// for: some sensors send a left-handed frame.
-struct AxisMap {
-  std::int8_t from[3] = {1, 2, 3};
-};
-
 struct CanMotionConfig {
   static constexpr std::size_t kMaxSignals = 32;
   CanSignalRole signals[kMaxSignals];
@@ -62,9 +57,14 @@ struct CanMotionConfig {
   bool stamp_last_frame = false;  ///< a sample's time is that of its first frame, or of its last
   std::int64_t imu_delay_us = 0;  ///< from the motion to the frame; subtracted
   std::int64_t odometry_delay_us = 0;
-  /// 29-bit ids match by their J1939 parameter group alone: any priority, any source address.
+  /// All 29-bit ids match by their J1939 parameter group alone: any priority, source and destination address.
+  /// A DBC may say so of its messages itself: DbcMessage::parameter_group.
   bool match_parameter_group = false;
 };
+
+/// How much older than the frame that completes it a motion sample can be: group window plus the longest
+/// delay. Thread: any. RT: yes.
+std::int64_t can_lag_us(const CanMotionConfig& config) noexcept;
 
 /// The name that configurations use: "gyro_x", "wheel_speed", "variance_xx", "counter".
 /// Thread: any. RT: yes.

@@ -7,7 +7,8 @@ namespace {
 
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 constexpr double kStandardGravity = 9.80665;  // m/s^2
-constexpr std::uint32_t kParameterGroupMask = 0x3FFFF;
+constexpr std::uint32_t kStandardIdMask = 0x7FF;
+constexpr std::uint32_t kExtendedIdMask = 0x1FFFFFFF;
 
 double si_per(CanUnit unit) noexcept {
   switch (unit) {
@@ -27,22 +28,10 @@ bool is_finite(double value) noexcept {
   return value - value == 0;
 }
 
-// False unless the map names each sensor axis once.
-bool is_permutation(const AxisMap& map) noexcept {
-  unsigned seen = 0;
-  for (const int from : map.from) {
-    const int axis = from < 0 ? -from : from;
-    if (axis < 1 || axis > 3) return false;
-    seen |= 1u << axis;
-  }
-  return seen == 0b1110;
-}
-
-void map_axes(const AxisMap& map, const double* sensor, double (&body)[3]) noexcept {
-  for (int i = 0; i < 3; ++i) {
-    const int from = map.from[i];
-    body[i] = from < 0 ? -sensor[-from - 1] : sensor[from - 1];
-  }
+// SAE J1939-21: priority (3 bits), parameter group (18), source address (8). Where the group's PF byte is
+// below 240, its lowest byte is the destination and not part of the group.
+std::uint32_t parameter_group_mask(std::uint32_t id) noexcept {
+  return (id >> 16 & 0xFF) < 240 ? 0x03FF0000 : 0x03FFFF00;
 }
 
 // Configured names may lack their NUL.
@@ -103,8 +92,12 @@ Status CanMotionDecoder::build() noexcept {
     if (message == nullptr) return missing(i);
     Route& route = routes_[route_count_++];
     route = Route{};
-    route.id = message->id;
-    route.extended = message->extended;
+    const bool group = message->extended && (message->parameter_group || config_.match_parameter_group);
+    route.filter = {message->id,
+                    group               ? parameter_group_mask(message->id)
+                    : message->extended ? kExtendedIdMask
+                                        : kStandardIdMask,
+                    message->extended};
     route.first_part = static_cast<std::uint8_t>(part_count_);
     for (std::size_t k = i; k < count; ++k) {
       if (name != name_of(config_.signals[k].message)) continue;
@@ -173,13 +166,14 @@ Status CanMotionDecoder::add_entry(std::size_t index, const DbcMessage& message,
 
 const CanMotionDecoder::Route* CanMotionDecoder::find_route(const CanFrame& frame) const noexcept {
   for (std::size_t i = 0; i < route_count_; ++i) {
-    const Route& route = routes_[i];
-    if (route.extended != frame.extended) continue;
-    if (route.id == frame.id) return &route;
-    const bool same_group = ((route.id ^ frame.id) >> 8 & kParameterGroupMask) == 0;
-    if (config_.match_parameter_group && route.extended && same_group) return &route;
+    if (routes_[i].filter.passes(frame)) return &routes_[i];
   }
   return nullptr;
+}
+
+std::size_t CanMotionDecoder::filters(std::span<CanFilter, CanMotionConfig::kMaxSignals> out) const noexcept {
+  for (std::size_t i = 0; i < route_count_; ++i) out[i] = routes_[i].filter;
+  return route_count_;
 }
 
 void CanMotionDecoder::feed(const CanFrame& frame, MotionSamples& out) noexcept {

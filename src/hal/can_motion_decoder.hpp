@@ -47,6 +47,10 @@ class CanMotionDecoder {
   /// `out` is overwritten.
   void feed(const CanFrame& frame, MotionSamples& out) noexcept;
 
+  /// The frames that feed() has a use for, one filter a message. Returns their number.
+  std::size_t filters(std::span<CanFilter, CanMotionConfig::kMaxSignals> out) const noexcept;
+  [[nodiscard]] const CanMotionConfig& config() const noexcept { return config_; }
+
   [[nodiscard]] const CanMotionCounters& counters() const noexcept { return counters_; }
 
  private:
@@ -65,8 +69,7 @@ class CanMotionDecoder {
   };
   // One message: its parts stand together in parts_.
   struct Route {
-    std::uint32_t id = 0;
-    bool extended = false;
+    CanFilter filter;
     std::uint8_t first_part = 0;
     std::uint8_t part_count = 0;
     std::int16_t counter = -1;  // index into dbc_.signals, or -1

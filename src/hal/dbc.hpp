@@ -42,7 +42,8 @@ struct DbcMessage {
   char name[kMaxDbcName + 1] = {};
   std::uint32_t id = 0;  ///< 11 bits, or 29 bits if `extended`
   bool extended = false;
-  std::uint8_t length = 0;  ///< bytes, 0..64
+  bool parameter_group = false;  ///< J1939, by the attribute VFrameFormat: the id stands for its whole group
+  std::uint8_t length = 0;       ///< bytes, 0..64
   std::uint16_t first_signal = 0;
   std::uint16_t signal_count = 0;
 };

@@ -8,7 +8,10 @@ namespace egofocus {
 namespace {
 
 constexpr std::uint32_t kExtendedFlag = 0x80000000;
+constexpr std::uint64_t kJ1939Format =
+    3;  // of VFrameFormat: "StandardCAN","ExtendedCAN","reserved","J1939PG"
 constexpr std::uint32_t kNoMessage = 0xC0000000;  // holds signals that belong to no message
+constexpr std::string_view kFrameFormat = "VFrameFormat";
 
 void copy_name(std::string_view name, char (&out)[kMaxDbcName + 1]) noexcept {
   for (std::size_t i = 0; i < name.size(); ++i) out[i] = name[i];
@@ -44,6 +47,8 @@ class Reader {
     if (keyword == "SG_") return signal();
     if (keyword == "SG_MUL_VAL_") return multiplexer_values();
     if (keyword == "SIG_VALTYPE_") return value_type();
+    if (keyword == "BA_") return attribute();
+    if (keyword == "BA_DEF_DEF_") return attribute_default();
     return true;
   }
 
@@ -193,6 +198,29 @@ class Reader {
     return true;
   }
 
+  // BA_ "VFrameFormat" BO_ 2365475321 3;
+  bool attribute() noexcept {
+    std::uint64_t id = 0;
+    std::uint64_t format = 0;
+    if (text_.quoted() != kFrameFormat || text_.word() != "BO_") return true;
+    if (!text_.whole(UINT32_MAX, id) || !text_.whole(UINT32_MAX, format))
+      return fail("VFrameFormat needs an id and a number");
+    if (DbcMessage* message = find_id(id)) set_format(*message, format == kJ1939Format);
+    return true;
+  }
+
+  // BA_DEF_DEF_ "VFrameFormat" "J1939PG"; comes before any BA_.
+  bool attribute_default() noexcept {
+    if (text_.quoted() != kFrameFormat) return true;
+    const bool j1939 = text_.quoted() == "J1939PG";
+    for (std::size_t i = 0; i < dbc_.message_count; ++i) set_format(dbc_.messages[i], j1939);
+    return true;
+  }
+
+  static void set_format(DbcMessage& message, bool j1939) noexcept {
+    message.parameter_group = j1939 && message.extended;
+  }
+
   // "<id> <signal>"; nullptr if the message was not kept.
   bool known_signal(DbcSignal*& signal) noexcept {
     std::uint64_t id = 0;
@@ -207,9 +235,9 @@ class Reader {
     return true;
   }
 
-  [[nodiscard]] const DbcMessage* find_id(std::uint64_t id) const noexcept {
+  [[nodiscard]] DbcMessage* find_id(std::uint64_t id) const noexcept {
     for (std::size_t i = 0; i < dbc_.message_count; ++i) {
-      const DbcMessage& m = dbc_.messages[i];
+      DbcMessage& m = dbc_.messages[i];
       if ((m.id | (m.extended ? kExtendedFlag : 0)) == id) return &m;
     }
     return nullptr;

@@ -36,6 +36,17 @@ class DbcText {
   /// A C identifier or a keyword; empty if something else comes next.
   std::string_view word() noexcept { return take(is_name_char); }
 
+  /// What stands in quotes on this line, without them; empty if something else comes next, or no quote closes
+  /// it.
+  std::string_view quoted() noexcept {
+    skip_blanks();
+    const std::size_t end = at_end() || text_[at_] != '"' ? text_.npos : text_.find_first_of("\"\n", at_ + 1);
+    if (end == text_.npos || text_[end] != '"') return {};
+    const std::string_view inside = text_.substr(at_ + 1, end - at_ - 1);
+    at_ = end + 1;
+    return inside;
+  }
+
   bool real(double& value) noexcept {
     const std::string_view digits = take(is_number_char);
     Decimal number;

@@ -19,11 +19,21 @@ namespace egofocus {
 /// a shorter one. Source: facts, B3. Thread: one. RT: yes, O(bytes).
 class Evt3Decoder {
  public:
-  explicit Evt3Decoder(SensorSize size) noexcept : row_(size) {}
+  /// `so_far`: counts to go on from, of a decoder before this one.
+  explicit Evt3Decoder(SensorSize size, const EvtCounters& so_far = {}) noexcept
+      : row_(size), counters_(so_far) {}
 
   /// Promise and protocol: see Decoded. Thread: one. RT: yes.
   Decoded feed(std::span<const std::byte> bytes, std::span<Event> out) noexcept;
 
+  /// A word never crosses USB transfers: half of one at the end of a transfer is dropped and counted.
+  void end_transfer() noexcept {
+    if (words_.drop_partial() > 0) counters_.count(EvtViolation::kUnknownWord);
+  }
+
+  /// Newest device time; moves on without events, too. Precondition: is_time_known().
+  [[nodiscard]] std::int64_t time_us() const noexcept { return time_high_.value() * 4096 + time_low_; }
+  [[nodiscard]] bool is_time_known() const noexcept { return time_high_.known(); }
   [[nodiscard]] const EvtCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const EvtTrigger& last_trigger() const noexcept { return trigger_; }
 
@@ -40,7 +50,6 @@ class Evt3Decoder {
                     std::span<Event> room) noexcept;
   void take_others_part(std::uint32_t type, std::uint32_t payload) noexcept;
   void take_time_low(std::uint16_t low) noexcept;
-  [[nodiscard]] std::int64_t time_us() const noexcept { return time_high_.value() * 4096 + time_low_; }
 
   WordReader<std::uint16_t> words_;
   TimeHighReader time_high_{12};

@@ -30,6 +30,14 @@ class WordReader {
     return false;
   }
 
+  /// Forgets the bytes of a word that is not complete; returns how many there were. Thread: one. RT: yes.
+  std::size_t drop_partial() noexcept {
+    const std::size_t dropped = held_;
+    partial_ = 0;
+    held_ = 0;
+    return dropped;
+  }
+
  private:
   static Word append(Word word, std::byte byte, std::size_t index) noexcept {
     return static_cast<Word>(word | static_cast<Word>(static_cast<Word>(byte) << (8 * index)));

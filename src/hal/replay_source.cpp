@@ -70,12 +70,6 @@ std::int64_t push_due(std::span<Sample> staged, std::size_t& count, std::int64_t
 
 }  // namespace
 
-std::int64_t can_lag_us(const CanMotionConfig& config) noexcept {
-  const std::int64_t delay =
-      config.imu_delay_us > config.odometry_delay_us ? config.imu_delay_us : config.odometry_delay_us;
-  return config.group_window_us + (delay > 0 ? delay : 0);
-}
-
 Source ReplaySource::source() noexcept {
   return {
       .self = this,

@@ -28,9 +28,6 @@ struct ReplayStreams {
   std::int64_t can_lag_us = 0;
 };
 
-/// Group window plus the longest configured delay. Thread: any. RT: yes.
-std::int64_t can_lag_us(const CanMotionConfig& config) noexcept;
-
 /// All that was read, used and left out, per stream.
 struct ReplayCounters {
   EvtCounters events;

@@ -34,7 +34,7 @@ std::size_t push(egofocus_engine& handle, const CSample* samples, std::size_t co
   return taken;
 }
 
-static_assert(EGOFOCUS_MODEL_MISMATCH == static_cast<int>(StatusCode::kModelMismatch),
+static_assert(EGOFOCUS_DEVICE_LOST == static_cast<int>(StatusCode::kDeviceLost),
               "a status code was added on one side only");
 static_assert(EGOFOCUS_BAD_STATE == static_cast<int>(StatusCode::kBadState));
 static_assert(EGOFOCUS_FLAG_CARRIED == static_cast<int>(kCarried));

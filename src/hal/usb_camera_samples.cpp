@@ -1,0 +1,93 @@
+#include "hal/usb_camera_samples.hpp"
+
+namespace egofocus {
+
+void UsbCameraSamples::restart(const UsbCameraDriver& driver, const UsbCameraInfo& info,
+                               const UsbCameraSettings& settings) noexcept {
+  is_inivation_ = driver.is_inivation;
+  wants_imu_ = settings.imu;
+  imu_axes_ = settings.imu_axes;
+  inivation_ = InivationDecoder(info.layout, inivation_.counters());
+  evt_ = Evt3Decoder(info.size, evt_.counters());
+  forget_clock();
+}
+
+void UsbCameraSamples::forget_clock() noexcept {
+  clock_.reset();
+  is_mapped_ = false;
+  event_stamps_ = {};
+  imu_stamps_ = {};
+}
+
+void UsbCameraSamples::take(std::span<const std::byte> bytes, std::int64_t host_us, bool is_live,
+                            Inlets& inlets, UsbCameraCounters& counters) noexcept {
+  for (bool more = true; more;) {
+    const std::uint64_t jumps = time_jumps();
+    const Batch batch = decode(bytes);
+    bytes = bytes.subspan(batch.consumed);
+    more = !batch.is_last;
+    if (time_jumps() != jumps) {
+      ++counters.clock_restarts;
+      forget_clock();
+    }
+    if (is_live && is_mapped_) {
+      push(batch, inlets, counters);
+    } else {
+      counters.events_unmapped += batch.events;
+      if (wants_imu_) counters.imu_unmapped += batch.imu;
+    }
+  }
+  is_inivation_ ? inivation_.end_transfer() : evt_.end_transfer();
+  if (!(is_inivation_ ? inivation_.is_time_known() : evt_.is_time_known())) return;
+  // The newest time in a transfer is the one that the host has had no longer than its way here took.
+  const std::int64_t device_us = is_inivation_ ? inivation_.time_us() : evt_.time_us();
+  clock_.observe(device_us, host_us);
+  is_mapped_ = true;
+  const std::int64_t newest_us = clock_.to_host_us(device_us) - 1;  // its microsecond may go on
+  if (newest_us > watermark_us_) watermark_us_ = newest_us;
+}
+
+UsbCameraSamples::Batch UsbCameraSamples::decode(std::span<const std::byte> bytes) noexcept {
+  if (is_inivation_) {
+    const InivationDecoded done = inivation_.feed(bytes, events_, imu_);
+    return {.consumed = done.consumed,
+            .events = done.events,
+            .imu = done.imu,
+            .is_last = done.events < events_.size() && done.imu < imu_.size()};
+  }
+  const Decoded done = evt_.feed(bytes, events_);
+  return {.consumed = done.consumed,
+          .events = done.produced,
+          .imu = 0,
+          .is_last = done.produced < events_.size()};
+}
+
+std::uint64_t UsbCameraSamples::time_jumps() const noexcept {
+  return is_inivation_ ? inivation_.counters().time_resets : evt_.counters()[EvtViolation::kTimeReset];
+}
+
+std::int64_t UsbCameraSamples::mapped(std::int64_t device_us, Stamps& stamps) const noexcept {
+  std::int64_t host_us = clock_.to_host_us(device_us);
+  if (device_us >= stamps.device_us && host_us < stamps.host_us) host_us = stamps.host_us;
+  stamps = {.device_us = device_us, .host_us = host_us};
+  return host_us;
+}
+
+void UsbCameraSamples::push(const Batch& batch, Inlets& inlets, UsbCameraCounters& counters) noexcept {
+  const std::span<Event> events = std::span(events_).first(batch.events);
+  for (Event& event : events) event.t_us = mapped(event.t_us, event_stamps_);
+  inlets.push(std::span<const Event>(events));
+  counters.events_pushed += events.size();
+  if (!wants_imu_) return;
+  const std::span<ImuSample> samples = std::span(imu_).first(batch.imu);
+  for (ImuSample& sample : samples) {
+    const ImuSample sensor = sample;
+    sample.t_us = mapped(sensor.t_us, imu_stamps_);
+    map_axes(imu_axes_, sensor.gyro_rad_s, sample.gyro_rad_s);
+    map_axes(imu_axes_, sensor.accel_m_s2, sample.accel_m_s2);
+  }
+  inlets.push(std::span<const ImuSample>(samples));
+  counters.imu_pushed += samples.size();
+}
+
+}  // namespace egofocus
