@@ -47,6 +47,13 @@ llvm-19 llvm-mca-19,llvm-mca
 ROWS
       ;;
     install) echo "pkg-config pkg-config" ;;
+    hil) cat <<'ROWS'
+qemu-system-x86 qemu-system-x86_64
+qemu-system-arm qemu-system-aarch64
+binutils readelf
+apt apt-get
+ROWS
+      ;;
     bench) cat <<'ROWS'
 libbenchmark-dev /usr/include/benchmark/benchmark.h,/usr/local/include/benchmark/benchmark.h
 libdnnl-dev /usr/include/dnnl.hpp,/usr/local/include/dnnl.hpp

@@ -11,6 +11,8 @@ install(TARGETS egofocus EXPORT egofocus_targets
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/egofocus ${PROJECT_BINARY_DIR}/generated/egofocus
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/dbc DESTINATION ${CMAKE_INSTALL_DATADIR}/egofocus FILES_MATCHING PATTERN "*.dbc"
+        PATTERN "README.md")
 
 install(EXPORT egofocus_targets NAMESPACE egofocus:: FILE egofocus_targets.cmake DESTINATION ${EGOFOCUS_CMAKE_DIR})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/egofocus-config.cmake.in

@@ -5,6 +5,7 @@
 
 namespace egofocus::app {
 
+void add_calibrate_time(CLI::App& program);
 void add_convert(CLI::App& program);
 void add_eval(CLI::App& program);
 void add_info(CLI::App& program);

@@ -15,6 +15,7 @@ constexpr const char* kExamples = R"(Examples:
   egofocus info fixtures/planes                        what is in a recording
   egofocus info events.raw --json                      the same of one file, for programs
   egofocus overlay town1 --out out/overlay             do its frames, depth and events lie on each other?
+  egofocus calibrate-time town1                        does the IMU come late, and by how much?
   egofocus convert slider_depth out/slider             a recording from ECD, MVSEC, DSEC or AEDAT4 files
 
 Exit codes: 0 ok, 1 internal error, 2 wrong command line, 3 file missing or unreadable, 4 bad or truncated file,
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", "egofocus " EGOFOCUS_VERSION);
   program.require_subcommand(1);
   program.footer(kExamples);
+  egofocus::app::add_calibrate_time(program);
   egofocus::app::add_convert(program);
   egofocus::app::add_eval(program);
   egofocus::app::add_info(program);

@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kBatch = 4096;
 
+}  // namespace
+
 std::unique_ptr<CanMotionDecoder> make_can_decoder(const Folder& folder) {
   const std::string where = (folder.path / folder.camera.can.dbc).string();
   const auto dbc = std::make_unique<Dbc>();
@@ -20,8 +22,6 @@ std::unique_ptr<CanMotionDecoder> make_can_decoder(const Folder& folder) {
   require(decoder->configure(folder.camera.can.motion, *dbc), where);
   return decoder;
 }
-
-}  // namespace
 
 void require(const Status& status, const std::string& where, ExitCode code) {
   if (status.ok()) return;

@@ -22,6 +22,9 @@ namespace egofocus::recording {
 /// Throws Error with the Status's text when it is not ok.
 void require(const Status& status, const std::string& where, ExitCode code = ExitCode::kConfiguration);
 
+/// The decoder of a recording's CAN log, by its DBC and [can]. Throws Error.
+[[nodiscard]] std::unique_ptr<CanMotionDecoder> make_can_decoder(const Folder& folder);
+
 /// An engine with its arena, its recording and its replay source, under the virtual clock. Not for real time:
 /// the set-up uses the heap. Move-free, since the engine refers to the source.
 class Replay {

@@ -4,7 +4,7 @@
 using namespace egofocus;
 
 TEST_CASE("can: Bosch, a lost frame costs its sample alone") {
-  Bench bench(bosch(), *read_dbc_fixture("bosch_mm.dbc"));
+  Bench bench(bosch(), *read_shipped_dbc("bosch_mm.dbc"));
   bench.feed(tx1(0, 0));
   bench.feed(tx3(600, 0));  // TX2 lost
   bench.feed(tx1(10000, 1));
@@ -16,7 +16,7 @@ TEST_CASE("can: Bosch, a lost frame costs its sample alone") {
 }
 
 TEST_CASE("can: Bosch, frames of other counters do not mix, nor late ones") {
-  Bench bench(bosch(), *read_dbc_fixture("bosch_mm.dbc"));
+  Bench bench(bosch(), *read_shipped_dbc("bosch_mm.dbc"));
   bench.feed(tx1(0, 0));
   bench.feed(tx2(300, 1));
   bench.feed(tx3(600, 1));
@@ -61,7 +61,7 @@ TEST_CASE("can: multiplexed axes and the velocity's covariance") {
 }
 
 TEST_CASE("can: what cannot be meant is refused") {
-  const auto dbc = read_dbc_fixture("wheels_examples.dbc");
+  const auto dbc = read_shipped_dbc("wheels_examples.dbc");
   const auto code_of = [&](const CanMotionConfig& config, std::int64_t* value = nullptr) {
     CanMotionDecoder decoder;
     const Status status = decoder.configure(config, *dbc);
@@ -123,7 +123,7 @@ TEST_CASE("can: names of roles and units") {
 }
 
 TEST_CASE("can: a frame written through the DBC comes back as the sample") {
-  const auto dbc = read_dbc_fixture("xsens_mti.dbc");
+  const auto dbc = read_shipped_dbc("xsens_mti.dbc");
   const DbcMessage* message = dbc->find_message("RateOfTurn");
   CanFrame f = frame(77, message->id, {});
   f.length = message->length;

@@ -20,9 +20,9 @@ inline std::unique_ptr<egofocus::Dbc> read_dbc_text(const std::string& text) {
   return dbc;
 }
 
-/// One of fixtures/dbc.
-inline std::unique_ptr<egofocus::Dbc> read_dbc_fixture(const std::string& name) {
-  std::ifstream file(egofocus::test::source_dir() + "/fixtures/dbc/" + name, std::ios::binary);
+/// One of dbc/, the files that are installed.
+inline std::unique_ptr<egofocus::Dbc> read_shipped_dbc(const std::string& name) {
+  std::ifstream file(egofocus::test::source_dir() + "/dbc/" + name, std::ios::binary);
   REQUIRE(file.good());
   return read_dbc_text({std::istreambuf_iterator<char>(file), {}});
 }

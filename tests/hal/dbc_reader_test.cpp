@@ -189,7 +189,7 @@ TEST_CASE("dbc: the shipped files read completely") {
   for (const Expected& expected :
        {Expected{"bosch_mm.dbc", 3, 19}, Expected{"j1939_imu.dbc", 3, 16}, Expected{"xsens_mti.dbc", 5, 11},
         Expected{"racelogic_imu03.dbc", 4, 7}, Expected{"wheels_examples.dbc", 9, 26}}) {
-    const auto dbc = read_dbc_fixture(expected.file);
+    const auto dbc = read_shipped_dbc(expected.file);
     INFO(expected.file);
     CHECK(dbc->message_count == expected.messages);
     CHECK(dbc->signal_count == expected.signals);

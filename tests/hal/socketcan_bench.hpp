@@ -16,7 +16,7 @@ namespace egofocus {
 
 struct CanBench {
   explicit CanBench(const SocketCanConfig& config = {})
-      : CanBench(config, bosch(), *read_dbc_fixture("bosch_mm.dbc")) {}
+      : CanBench(config, bosch(), *read_shipped_dbc("bosch_mm.dbc")) {}
   CanBench(const SocketCanConfig& config, const CanMotionConfig& motion_config, const Dbc& dbc,
            SpscRing<CanFrame>* record = nullptr)
       : motion(configured(motion_config, dbc)), source(config, *motion, record, kernel.io()) {}

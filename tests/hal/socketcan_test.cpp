@@ -185,7 +185,7 @@ TEST_CASE("socketcan: more than one batch a poll, and never more than a bound") 
 TEST_CASE("socketcan: raw frames go into the ring of a recorder, which never stops the source") {
   std::vector<CanFrame> storage(8);
   SpscRing<CanFrame> ring{std::span<CanFrame>(storage)};
-  CanBench bench({}, bosch(), *read_dbc_fixture("bosch_mm.dbc"), &ring);
+  CanBench bench({}, bosch(), *read_shipped_dbc("bosch_mm.dbc"), &ring);
   REQUIRE(bench.source.start().ok());
   for (int i = 0; i < 10; ++i) bench.kernel.frame(0x174, {i, 0x80, 0, 0, 0, 0x80, 0, 0});
   bench.poll();

@@ -67,14 +67,15 @@ class Modules:
         return self.needs[name]
 
     def closure(self, name, into):
+        """Adds a module after all that it needs."""
         name = name.replace("-", "_")
         if name in into or (name in self.builtin and name not in self.paths):
             return
         if name not in self.paths:
             raise SystemExit(f"error: the guest's kernel has no module {name}")
-        into.append(name)
         for other in self.depends(name):
             self.closure(other, into)
+        into.append(name)
 
     def add_to(self, archive, names):
         release = self.folder.name
@@ -87,7 +88,8 @@ class Modules:
             archive.file(f"lib/modules/{release}/{inside}", self.paths[name].read_bytes())
             own = []
             self.closure(name, own)
-            others = " ".join(self.paths[other].relative_to(self.folder).as_posix() for other in own[1:])
+            # modprobe loads from the end.
+            others = " ".join(self.paths[other].relative_to(self.folder).as_posix() for other in reversed(own[:-1]))
             lines.append(f"{inside}: {others}".rstrip())
         archive.file(f"lib/modules/{release}/modules.dep", ("\n".join(lines) + "\n").encode())
 

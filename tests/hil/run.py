@@ -39,7 +39,7 @@ def run_test(path, arch, system, show):
     files = {pathlib.Path(name).name: pathlib.Path(name).read_bytes() for name in header(script, "files").split()}
     initrd = guest.pack(system, arch, script, programs, header(script, "modules").split(), files)
     begin = time.monotonic()
-    code, output, kernel_log = guest.run(system, arch, initrd, int(header(script, "limit") or 60),
+    code, output, kernel_log = guest.run(system, arch, initrd, int(header(script, "limit") or 180),
                                          shlex.split(header(script, "qemu")))
     seconds = time.monotonic() - begin
     oops = re.search(r"^.*(BUG:|Oops|Call Trace|Kernel panic).*$", kernel_log, re.M)
