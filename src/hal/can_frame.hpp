@@ -14,4 +14,11 @@ struct CanFrame {
   std::uint8_t data[64] = {};
 };
 
+/// Sees frames as they come in, before anything is made of them: for a recorder. No function: nobody looks.
+/// Thread: the source's. RT: yes.
+struct CanTap {
+  void* self = nullptr;
+  void (*frame)(void* self, const CanFrame& frame) noexcept = nullptr;
+};
+
 }  // namespace egofocus
