@@ -16,7 +16,8 @@ constexpr timeval kAnswerTime{5, 0};
 
 }  // namespace
 
-ControlServer::ControlServer(const SocketConfig& config) : socket_(config.socket, SOCK_STREAM, config.group) {}
+ControlServer::ControlServer(const SocketConfig& config)
+    : socket_(config.socket, SOCK_STREAM, config.group) {}
 
 bool ControlServer::is_done(Client& client, const Answer& answer) {
   char bytes[kLongestLine + 1];
@@ -26,7 +27,8 @@ bool ControlServer::is_done(Client& client, const Answer& answer) {
   const std::size_t end = client.said.find('\n');
   if (end == std::string::npos)
     return client.said.size() > kLongestLine || std::chrono::steady_clock::now() > client.until;
-  const std::string line = answer(std::string_view(client.said).substr(0, std::min(end, kLongestLine))) + "\n";
+  const std::string line =
+      answer(std::string_view(client.said).substr(0, std::min(end, kLongestLine))) + "\n";
   static_cast<void>(::send(client.socket.number(), line.data(), line.size(), MSG_DONTWAIT | MSG_NOSIGNAL));
   return true;
 }
@@ -58,7 +60,8 @@ std::string ask(const std::filesystem::path& path, const std::string& request) {
     }
   }
   if (answer.empty() || answer.back() != '\n')
-    throw recording::Error(recording::ExitCode::kFile, path.string(), "gave no whole answer. Is the daemon overloaded?");
+    throw recording::Error(recording::ExitCode::kFile, path.string(),
+                           "gave no whole answer. Is the daemon overloaded?");
   answer.pop_back();
   return answer;
 }

@@ -13,7 +13,8 @@ using recording::Names;
 
 constexpr Names<EventsFrom, 1> kEventsNames{{{"replay", EventsFrom::kReplay}}};
 constexpr Names<MotionFrom, 1> kMotionNames{{{"replay", MotionFrom::kReplay}}};
-constexpr Names<ClockKind, 2> kClockNames{{{"real", ClockKind::kMonotonic}, {"virtual", ClockKind::kVirtual}}};
+constexpr Names<ClockKind, 2> kClockNames{
+    {{"real", ClockKind::kMonotonic}, {"virtual", ClockKind::kVirtual}}};
 constexpr Names<AtEnd, 2> kAtEndNames{{{"stop", AtEnd::kStop}, {"repeat", AtEnd::kRepeat}}};
 constexpr Names<Backend, 2> kBackendNames{{{"network", Backend::kNetwork}, {"focus", Backend::kFocus}}};
 
@@ -32,7 +33,8 @@ void describe(Section& s, SourceConfig& v) {
   s.choice("clock", v.clock, kClockNames);
   s.choice("at_end", v.at_end, kAtEndNames);
   s.optional("wait_for_reader", v.wait_for_reader);
-  if (v.recording.empty()) s.refuse("recording", "is missing: events = \"replay\" needs the folder of a recording");
+  if (v.recording.empty())
+    s.refuse("recording", "is missing: events = \"replay\" needs the folder of a recording");
   if (v.clock == ClockKind::kVirtual && v.at_end == AtEnd::kRepeat)
     s.refuse("at_end", "cannot be \"repeat\" with clock = \"virtual\", whose time goes one way");
   if (v.clock == ClockKind::kMonotonic && v.wait_for_reader)
@@ -103,7 +105,9 @@ std::vector<std::string> parse_daemon_config(std::string_view text, const std::f
   try {
     root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
-    attempt([&] { recording::fail(name, error.source(), "is no valid TOML: " + std::string(error.description())); });
+    attempt([&] {
+      recording::fail(name, error.source(), "is no valid TOML: " + std::string(error.description()));
+    });
     return problems;
   }
   recording::FileReader file(root, name);
@@ -119,13 +123,15 @@ std::vector<std::string> parse_daemon_config(std::string_view text, const std::f
   if (config.depth.socket == config.control.socket)
     problems.push_back(name + ": [depth] and [control] name the same `socket`. Give each its own.");
   if (config.source.events == EventsFrom::kReplay && !config.engine.camera.empty())
-    problems.push_back(name + ": [engine] `camera` contradicts events = \"replay\": the recording has its own. Remove it.");
+    problems.push_back(
+        name + ": [engine] `camera` contradicts events = \"replay\": the recording has its own. Remove it.");
   return problems;
 }
 
 DaemonConfig read_daemon_config(const std::filesystem::path& path) {
   DaemonConfig config;
-  const std::vector<std::string> problems = parse_daemon_config(recording::read_text_file(path), path, config);
+  const std::vector<std::string> problems =
+      parse_daemon_config(recording::read_text_file(path), path, config);
   std::string all;
   for (const std::string& problem : problems) all += (all.empty() ? "" : "\n") + problem;
   if (!all.empty()) throw Error(ExitCode::kConfiguration, all);

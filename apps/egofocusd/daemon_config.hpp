@@ -69,7 +69,8 @@ struct DaemonConfig {
 
 /// Everything that is wrong with the text, a line each: file, line, what. Empty: `config_out` is sound in
 /// itself. Whether files, folders and devices are there is for find_problems() to say.
-[[nodiscard]] std::vector<std::string> parse_daemon_config(std::string_view text, const std::filesystem::path& name,
+[[nodiscard]] std::vector<std::string> parse_daemon_config(std::string_view text,
+                                                           const std::filesystem::path& name,
                                                            DaemonConfig& config_out);
 
 /// Reads and parses. Throws Error: kFile when it cannot be read, kConfiguration with all problems.

@@ -26,8 +26,9 @@ constexpr std::size_t whole_lines(std::size_t bytes) noexcept {
 }
 
 [[noreturn]] void refuse(const char* what) {
-  throw recording::Error(recording::ExitCode::kInternal, "shared memory for depth",
-                         std::string(what) + " (" + std::strerror(errno) + "). Linux 5.1 or newer is needed.");
+  throw recording::Error(
+      recording::ExitCode::kInternal, "shared memory for depth",
+      std::string(what) + " (" + std::strerror(errno) + "). Linux 5.1 or newer is needed.");
 }
 
 egofocus_depth_info info_of(const DepthFrame& frame) noexcept {
@@ -75,11 +76,13 @@ DepthMemory::DepthMemory(const Intrinsics& grid, std::uint32_t slots)
     errno = lack;
     refuse("cannot be had");
   }
-  void* memory = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file_.number(), 0);
+  void* memory =
+      ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file_.number(), 0);
   if (memory == MAP_FAILED) refuse("cannot be mapped");
   memory_ = static_cast<std::byte*>(memory);
   // From here on only this mapping can be written through.
-  if (::fcntl(file_.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL) != 0) {
+  if (::fcntl(file_.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL) !=
+      0) {
     ::munmap(memory_, bytes_);
     refuse("cannot be sealed");
   }

@@ -27,8 +27,9 @@ DepthRun::DepthRun(std::unique_ptr<Setup> setup)
     throw Error(ExitCode::kMemory, "no memory for an arena of " + std::to_string(setup_->arena_bytes) +
                                        " bytes. Free some, or choose fewer hypotheses or a smaller grid.");
   }
-  require(engine_.configure(setup_->camera.config, {static_cast<std::byte*>(arena_.get()), setup_->arena_bytes}),
-          setup_->camera_file.string());
+  require(
+      engine_.configure(setup_->camera.config, {static_cast<std::byte*>(arena_.get()), setup_->arena_bytes}),
+      setup_->camera_file.string());
 }
 
 DepthRun::~DepthRun() {
@@ -39,11 +40,13 @@ DepthRun::~DepthRun() {
 void DepthRun::start(DepthMemory& memory, Recorder& recorder) {
   memory_ = &memory;
   sources_ = open_sources(*setup_, recorder);
-  for (const Source& source : sources_.to_attach) require(engine_.attach(source), source.name, ExitCode::kInternal);
+  for (const Source& source : sources_.to_attach)
+    require(engine_.attach(source), source.name, ExitCode::kInternal);
   may_tick_.store(!setup_->daemon.source.wait_for_reader, std::memory_order_relaxed);
-  require(thread_.start({"egofocus-tick", 0, -1}, [](void* self) noexcept { static_cast<DepthRun*>(self)->work(); },
-                        this),
-          "egofocusd", ExitCode::kMemory);
+  require(
+      thread_.start(
+          {"egofocus-tick", 0, -1}, [](void* self) noexcept { static_cast<DepthRun*>(self)->work(); }, this),
+      "egofocusd", ExitCode::kMemory);
 }
 
 void DepthRun::request_stop() noexcept {

@@ -38,8 +38,8 @@ class Teller {
 };
 
 void tell(Teller& t, const EventCounters& c) {
-  const auto& [in, ring_dropped, over_rate, out_of_range, out_of_order, ahead, late, hot_pixel, refractory, isolated,
-               kept] = c;
+  const auto& [in, ring_dropped, over_rate, out_of_range, out_of_order, ahead, late, hot_pixel, refractory,
+               isolated, kept] = c;
   t.count("events_in", in);
   t.count("events_ring_dropped", ring_dropped);
   t.count("events_over_rate", over_rate);
@@ -105,7 +105,8 @@ void tell(Teller& t, const RecorderFacts& r) {
 }  // namespace
 
 HealthText health_text(const DaemonFacts& facts) {
-  const auto& [state, cause, events, imu, odometry, poses, window, ticks, stages, refused, sources_lost] = facts.health;
+  const auto& [state, cause, events, imu, odometry, poses, window, ticks, stages, refused, sources_lost] =
+      facts.health;
   Teller t;
   t.text("version", EGOFOCUS_VERSION);
   t.text("state", to_string(state));

@@ -24,7 +24,8 @@ unsigned long long told_left_out = 0;
 
 bool may_write() {
   const auto now = std::chrono::steady_clock::now();
-  credit = std::min(kMostLines, credit + std::chrono::duration<double>(now - credited).count() * kLinesPerSecond);
+  credit =
+      std::min(kMostLines, credit + std::chrono::duration<double>(now - credited).count() * kLinesPerSecond);
   credited = now;
   if (credit < 1) return false;
   credit -= 1;

@@ -35,7 +35,8 @@ int check(const std::string& file) {
   DaemonConfig config;
   const Problems problems = find_problems(file, config);
   for (const std::string& line : problems.errors) std::fprintf(stderr, "egofocusd: %s\n", line.c_str());
-  for (const std::string& line : problems.warnings) std::fprintf(stderr, "egofocusd: warning: %s\n", line.c_str());
+  for (const std::string& line : problems.warnings)
+    std::fprintf(stderr, "egofocusd: warning: %s\n", line.c_str());
   if (!problems.errors.empty()) return static_cast<int>(ExitCode::kConfiguration);
   std::printf("%s: sound\n", file.c_str());
   return static_cast<int>(ExitCode::kOk);
@@ -66,18 +67,20 @@ int main(int argc, char** argv) {
   std::string request;
   program.set_version_flag("--version", "egofocusd " EGOFOCUS_VERSION);
   program.add_option("--config", file, "the configuration file")->capture_default_str();
-  const CLI::Option* print = program.add_flag("--print-config", "print the commented default configuration");
-  const CLI::Option* only_check = program.add_flag("--check-config", "find all that is wrong, start nothing");
-  const CLI::Option* asks = program.add_option("--ask", request, "ask the running daemon: health, \"record start\", ...");
+  bool print = false;
+  bool only_check = false;
+  program.add_flag("--print-config", print, "print the commented default configuration");
+  program.add_flag("--check-config", only_check, "find all that is wrong, start nothing");
+  program.add_option("--ask", request, "ask the running daemon: health, \"record start\", ...");
   program.footer(kFooter);
   try {
     program.parse(argc, argv);
     int code = 0;
-    if (*print) {
+    if (print) {
       std::fputs(default_config_text(), stdout);
-    } else if (*only_check) {
+    } else if (only_check) {
       code = check(file);
-    } else if (*asks) {
+    } else if (!request.empty()) {
       code = tell_daemon(file, request);
     } else {
       code = serve(file);

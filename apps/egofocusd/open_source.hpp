@@ -14,10 +14,11 @@
 namespace egofocus::daemon {
 
 struct OpenSources {
-  std::vector<Source> to_attach;                ///< Engine::attach() each, in this order
-  std::vector<std::shared_ptr<void>> kept;      ///< what they rest on; outlives the engine
-  std::int64_t first_tick_us = 0;               ///< t_0, on the clock of [source]
-  std::function<bool(std::int64_t)> ends_before;  ///< will nothing come for a tick at this time? Thread: the tick's.
+  std::vector<Source> to_attach;            ///< Engine::attach() each, in this order
+  std::vector<std::shared_ptr<void>> kept;  ///< what they rest on; outlives the engine
+  std::int64_t first_tick_us = 0;           ///< t_0, on the clock of [source]
+  std::function<bool(std::int64_t)>
+      ends_before;  ///< will nothing come for a tick at this time? Thread: the tick's.
 };
 
 /// Opens devices and files; what passes goes to `recorder` as well, which outlives the sources. Throws Error.

@@ -33,9 +33,10 @@ Source PacedSource::source() noexcept {
   return {.self = this,
           .name = "replay",
           .start = [](void* self) noexcept { return static_cast<PacedSource*>(self)->start(); },
-          .poll = [](void* self, Inlets& inlets, std::int64_t, std::int64_t timeout_us) noexcept {
-            return static_cast<PacedSource*>(self)->poll(inlets, timeout_us);
-          },
+          .poll =
+              [](void* self, Inlets& inlets, std::int64_t, std::int64_t timeout_us) noexcept {
+                return static_cast<PacedSource*>(self)->poll(inlets, timeout_us);
+              },
           .stop = nullptr};
 }
 

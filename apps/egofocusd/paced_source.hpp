@@ -17,7 +17,8 @@ namespace egofocus::daemon {
 
 class PacedSource {
  public:
-  /// The first event comes when the source starts. `repeat`: from the beginning again at the end. Throws Error.
+  /// The first event comes when the source starts. `repeat`: from the beginning again at the end. Throws
+  /// Error.
   PacedSource(recording::Folder folder, bool repeat, Recorder& recorder);
 
   /// This object must outlive the copy. poll() RT: yes.

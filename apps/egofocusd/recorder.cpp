@@ -67,8 +67,8 @@ void Recorder::begin(const Setup& setup, std::int64_t now_us) {
   wish.dbc_name = setup.camera.can.dbc;
   wish.dbc = recording::read_text_file(setup.camera_file.parent_path() / wish.dbc_name);
   wish.config = recording::read_text_file(setup.daemon.file);
-  wish.width_px = setup.camera.config.camera.intrinsics.width_px;
-  wish.height_px = setup.camera.config.camera.intrinsics.height_px;
+  wish.size = {static_cast<std::uint16_t>(setup.camera.config.camera.intrinsics.width_px),
+               static_cast<std::uint16_t>(setup.camera.config.camera.intrinsics.height_px)};
   const std::lock_guard lock(guard_);
   if (facts_.on) throw Error(ExitCode::kUsage, "a recording is on already: " + facts_.folder);
   facts_.on = true;
@@ -145,7 +145,7 @@ void Recorder::open(const Wish& wish) {
   events_file_ = created(partial_ / "events.raw");
   RawHeader header;
   header.format = EvtFormat::kEvt3;
-  header.size = {wish.width_px, wish.height_px};
+  header.size = wish.size;
   std::array<std::byte, kMaxWrittenRawHeaderBytes> text;
   const std::size_t size = write_raw_header(header, text);
   append(events_file_, {reinterpret_cast<const char*>(text.data()), size});
@@ -155,8 +155,10 @@ void Recorder::open(const Wish& wish) {
 }
 
 void Recorder::drop_waiting() {
-  for (auto ready = events_.peek(kBatch); !ready.empty(); ready = events_.peek(kBatch)) events_.release(ready.size());
-  for (auto ready = frames_.peek(kBatch); !ready.empty(); ready = frames_.peek(kBatch)) frames_.release(ready.size());
+  for (auto ready = events_.peek(kBatch); !ready.empty(); ready = events_.peek(kBatch))
+    events_.release(ready.size());
+  for (auto ready = frames_.peek(kBatch); !ready.empty(); ready = frames_.peek(kBatch))
+    frames_.release(ready.size());
 }
 
 void Recorder::write_events() {
@@ -191,7 +193,8 @@ void Recorder::append(Descriptor& file, std::string_view bytes) {
     const ssize_t done = ::write(file.number(), bytes.data(), bytes.size());
     if (done < 0 && errno == EINTR) continue;
     if (done <= 0)
-      throw Error(ExitCode::kFile, partial_.string(), std::string("cannot be written (") + std::strerror(errno) + ")");
+      throw Error(ExitCode::kFile, partial_.string(),
+                  std::string("cannot be written (") + std::strerror(errno) + ")");
     bytes.remove_prefix(static_cast<std::size_t>(done));
     bytes_ += static_cast<std::uint64_t>(done);
   }
@@ -199,7 +202,7 @@ void Recorder::append(Descriptor& file, std::string_view bytes) {
 
 void Recorder::close(const std::string& failure) {
   on_.store(false, std::memory_order_release);
-  events_file_ = can_file_ = health_file_ = Descriptor();
+  for (Descriptor* file : {&events_file_, &can_file_, &health_file_}) *file = Descriptor();
   std::string what = failure;
   std::error_code refused;
   if (what.empty()) fs::rename(partial_, folder_, refused);
@@ -207,7 +210,8 @@ void Recorder::close(const std::string& failure) {
   if (what.empty()) {
     log(Priority::kNotice, "recorded " + folder_.string() + ", " + std::to_string(bytes_) + " bytes");
   } else {
-    log(Priority::kError, what + ". The recording ends here; what there is of it stays as " + partial_.string());
+    log(Priority::kError,
+        what + ". The recording ends here; what there is of it stays as " + partial_.string());
   }
   const std::lock_guard lock(guard_);
   facts_.on = false;

@@ -17,16 +17,17 @@
 #include "egofocus/types.hpp"
 #include "hal/can_frame.hpp"
 #include "hal/evt3_encoder.hpp"
+#include "hal/sensor_size.hpp"
 #include "setup.hpp"
 
 namespace egofocus::daemon {
 
 struct RecorderFacts {
   bool on = false;
-  std::string folder;               ///< of the last recording; empty before the first
-  std::string failure;              ///< why the last one ended before it was told to; empty: it did not
-  std::uint64_t bytes = 0;          ///< written to the last one
-  std::uint64_t events_dropped = 0; ///< since the daemon began: the disk was too slow
+  std::string folder;                ///< of the last recording; empty before the first
+  std::string failure;               ///< why the last one ended before it was told to; empty: it did not
+  std::uint64_t bytes = 0;           ///< written to the last one
+  std::uint64_t events_dropped = 0;  ///< since the daemon began: the disk was too slow
   std::uint64_t frames_dropped = 0;
   std::uint64_t not_encodable = 0;  ///< events of the last one that EVT3 cannot hold: unsorted ones
 };
@@ -43,8 +44,8 @@ class Recorder {
     if (on_.load(std::memory_order_acquire)) frames_.push(std::span<const CanFrame>(&frame, 1));
   }
 
-  /// A recording of what this setup gives, from `now_us` on. Throws Error when there is no folder for it, when
-  /// one is on, or when motion does not come from a bus. Thread: the service's, as all below but work().
+  /// A recording of what this setup gives, from `now_us` on. Throws Error when there is no folder for it,
+  /// when one is on, or when motion does not come from a bus. Thread: the service's, as all below but work().
   void begin(const Setup& setup, std::int64_t now_us);
   /// False: there is none.
   bool end();
@@ -60,7 +61,7 @@ class Recorder {
     std::filesystem::path folder;
     std::int64_t origin_us = 0;
     std::string camera_toml, dbc_name, dbc, config;
-    std::int32_t width_px = 0, height_px = 0;
+    SensorSize size;
   };
 
   void open(const Wish& wish);

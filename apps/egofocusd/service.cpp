@@ -37,7 +37,8 @@ void check_same(const DaemonConfig& now, const DaemonConfig& next) {
   const bool same = now.depth.socket == next.depth.socket && now.depth.group == next.depth.group &&
                     now.control.socket == next.control.socket && now.control.group == next.control.group &&
                     now.metrics.file == next.metrics.file && now.record.folder == next.record.folder &&
-                    now.record.buffer_events == next.record.buffer_events && now.record.max_mib == next.record.max_mib;
+                    now.record.buffer_events == next.record.buffer_events &&
+                    now.record.max_mib == next.record.max_mib;
   if (!same) {
     throw Error(ExitCode::kConfiguration, next.file.string(),
                 "sockets, [metrics] and [record] cannot change while the daemon runs. Start it again.");
@@ -95,7 +96,8 @@ void Service::start(Run run) {
 
 void Service::look_at_run() {
   run_->forget_happened();
-  depth_->wake_readers();
+  if (run_->ticks() != told_ticks_) depth_->wake_readers();
+  told_ticks_ = run_->ticks();
   switch (run_->state()) {
     case DepthRun::State::kStarting:
       break;
@@ -114,7 +116,8 @@ void Service::look_at_run() {
     case DepthRun::State::kFailed:
       if (fallback_ == nullptr) throw Error(ExitCode::kFile, "sources cannot be started: " + run_->failure());
       ++reloads_failed_;
-      log(Priority::kError, "the new configuration cannot be started (" + run_->failure() + "); back to the old one");
+      log(Priority::kError,
+          "the new configuration cannot be started (" + run_->failure() + "); back to the old one");
       start(std::make_unique<DepthRun>(std::move(fallback_)));
       break;
   }
@@ -122,6 +125,7 @@ void Service::look_at_run() {
 
 // Everything that can be known without the devices is found while the old configuration still runs.
 void Service::reload() {
+  bool old_ended = false;
   try {
     const DaemonConfig config = read_daemon_config(config_.file);
     check_same(config_, config);
@@ -129,12 +133,13 @@ void Service::reload() {
     notify("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(now_us()));
     recorder_.end();
     fallback_ = run_->end();
+    old_ended = true;
     start(std::move(next));
     ++reloads_;
   } catch (const std::exception& error) {
     ++reloads_failed_;
     log(Priority::kError, std::string(error.what()) + " Goes on with the old configuration.");
-    if (fallback_ != nullptr) start(std::make_unique<DepthRun>(std::move(fallback_)));
+    if (old_ended) start(std::make_unique<DepthRun>(std::move(fallback_)));
     notify("READY=1");
   }
 }

@@ -56,6 +56,7 @@ class Service {
   std::unique_ptr<Setup> fallback_;  // while a reloaded configuration starts: the one before
   TickWatch tick_watch_;
   RunState told_state_ = RunState::kWaiting;
+  std::uint64_t told_ticks_ = 0;
   bool is_ready_ = false;
   bool ended_ = false;
   std::int64_t next_beat_us_ = 0;

@@ -10,8 +10,8 @@
 
 namespace egofocus::daemon {
 
-/// SIGTERM, SIGINT and SIGHUP wait here; a write to a closed socket or beyond a limit is an errno. Thread: the
-/// service's.
+/// SIGTERM, SIGINT and SIGHUP wait here; a write to a closed socket or beyond a limit is an errno. Thread:
+/// the service's.
 class Signals {
  public:
   Signals() {
@@ -29,7 +29,8 @@ class Signals {
   /// The next one's number; 0: none waits.
   [[nodiscard]] int take() const noexcept {
     signalfd_siginfo info{};
-    return ::read(waiting_.number(), &info, sizeof info) == sizeof info ? static_cast<int>(info.ssi_signo) : 0;
+    return ::read(waiting_.number(), &info, sizeof info) == sizeof info ? static_cast<int>(info.ssi_signo)
+                                                                        : 0;
   }
   [[nodiscard]] int number() const noexcept { return waiting_.number(); }
 

@@ -26,8 +26,9 @@ sockaddr_un address_of(const std::filesystem::path& path) {
   sockaddr_un address{};
   const std::string name = path.string();
   if (name.size() >= sizeof address.sun_path) {
-    throw Error(ExitCode::kConfiguration, name,
-                "is too long for a socket: " + std::to_string(sizeof address.sun_path - 1) + " characters at most.");
+    throw Error(
+        ExitCode::kConfiguration, name,
+        "is too long for a socket: " + std::to_string(sizeof address.sun_path - 1) + " characters at most.");
   }
   address.sun_family = AF_UNIX;
   std::memcpy(address.sun_path, name.data(), name.size());
@@ -58,8 +59,9 @@ ListeningSocket::ListeningSocket(const std::filesystem::path& path, int type, bo
   const Descriptor probe(::socket(AF_UNIX, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int answer = try_connect(probe.number(), address);
   if (answer == 0 || answer == EAGAIN) {
-    throw Error(ExitCode::kBusy, path.string(),
-                "another egofocusd runs with this socket. Stop it first, or give this one sockets of its own.");
+    throw Error(
+        ExitCode::kBusy, path.string(),
+        "another egofocusd runs with this socket. Stop it first, or give this one sockets of its own.");
   }
   struct stat there {};
   if (::lstat(path.c_str(), &there) == 0) {

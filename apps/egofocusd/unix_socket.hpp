@@ -7,10 +7,10 @@
 
 namespace egofocus::daemon {
 
-/// A listening socket; its file is removed with it. `type` is SOCK_STREAM or SOCK_SEQPACKET, non-blocking. The
-/// file belongs to the owner alone (0600), or to the group as well (0660). What a killed daemon left there is
-/// replaced; a socket that someone answers on is not: throws Error (kBusy). Throws Error (kFile) when the
-/// folder is missing or not ours to write.
+/// A listening socket; its file is removed with it. `type` is SOCK_STREAM or SOCK_SEQPACKET, non-blocking.
+/// The file belongs to the owner alone (0600), or to the group as well (0660). What a killed daemon left
+/// there is replaced; a socket that someone answers on is not: throws Error (kBusy). Throws Error (kFile)
+/// when the folder is missing or not ours to write.
 class ListeningSocket {
  public:
   ListeningSocket(const std::filesystem::path& path, int type, bool group);

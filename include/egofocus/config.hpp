@@ -162,8 +162,8 @@ struct RingConfig {
   std::uint32_t imu = 1u << 10;
   std::uint32_t odometry = 1u << 10;
   std::uint32_t poses = 1u << 10;
-  /// Overload: more events than this are thinned before they wait, evenly, counted by the millisecond of their
-  /// own time stamps and nothing else. 0: never; else 10,000 or more, and what comes in a period and
+  /// Overload: more events than this are thinned before they wait, evenly, counted by the millisecond of
+  /// their own time stamps and nothing else. 0: never; else 10,000 or more, and what comes in a period and
   /// rate.lateness_us must fit into `events`.
   std::int32_t max_event_rate_hz = 0;
 };

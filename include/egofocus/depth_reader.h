@@ -77,8 +77,8 @@ typedef struct egofocus_depth_info { /* 192 bytes */
   double angular_rate_rad_s[3];
   double velocity_sigma_m_s;
   double fx_px, fy_px, cx_px, cy_px; /* the grid that depth lies on */
-  uint32_t flags; /* FrameFlag bits: 1 no parallax, 2 too few events, 4 stale velocity, 8 no motion, 16 overload,
-                     32 late tick, 64 carried */
+  uint32_t flags; /* FrameFlag bits: 1 no parallax, 2 too few events, 4 stale velocity, 8 no motion, 16
+                     overload, 32 late tick, 64 carried */
   uint32_t events;
   int32_t hypotheses;
   uint32_t width_px, height_px;
@@ -110,7 +110,8 @@ static inline int egofocus_depth_attach(egofocus_depth_reader* reader, const voi
     return -EPROTO;
   if ((h->header_bytes | h->slot_bytes | h->inverse_depth_at | h->confidence_at) % 64 != 0) return -EPROTO;
   pixels = (uint64_t)h->width_px * h->height_px;
-  if (h->header_bytes < sizeof *h || h->inverse_depth_at < EGOFOCUS_DEPTH_INFO_AT + sizeof(egofocus_depth_info) ||
+  if (h->header_bytes < sizeof *h ||
+      h->inverse_depth_at < EGOFOCUS_DEPTH_INFO_AT + sizeof(egofocus_depth_info) ||
       h->inverse_depth_at + 2 * pixels > h->confidence_at || h->confidence_at + pixels > h->slot_bytes ||
       h->header_bytes + (uint64_t)h->slots * h->slot_bytes > bytes)
     return -EPROTO;
@@ -184,7 +185,8 @@ static inline int egofocus_depth_open(egofocus_depth_reader* reader, const char*
   if (result == 0) {
     /* F_GET_SEALS with F_SEAL_SHRINK: without it the file could be cut off under our eyes (SIGBUS). */
     const int seals = fcntl(descriptor, 1034);
-    if (seals < 0 || (seals & 0x0002) == 0 || file.st_size < (off_t)sizeof(egofocus_depth_header)) result = -EPROTO;
+    if (seals < 0 || (seals & 0x0002) == 0 || file.st_size < (off_t)sizeof(egofocus_depth_header))
+      result = -EPROTO;
   }
   if (result == 0) {
     memory = mmap(NULL, (size_t)file.st_size, PROT_READ, MAP_SHARED, descriptor, 0);
@@ -208,7 +210,8 @@ static inline size_t egofocus_depth_pixels(const egofocus_depth_reader* reader) 
 
 static inline uint32_t egofocus_depth_load_(const egofocus_depth_reader* reader, size_t at, int order) {
   const uint32_t* word = (const uint32_t*)(const void*)(reader->memory + at);
-  return order == __ATOMIC_ACQUIRE ? __atomic_load_n(word, __ATOMIC_ACQUIRE) : __atomic_load_n(word, __ATOMIC_RELAXED);
+  return order == __ATOMIC_ACQUIRE ? __atomic_load_n(word, __ATOMIC_ACQUIRE)
+                                   : __atomic_load_n(word, __ATOMIC_RELAXED);
 }
 
 static inline uint32_t egofocus_depth_newest_number_(const egofocus_depth_reader* reader) {
@@ -216,7 +219,8 @@ static inline uint32_t egofocus_depth_newest_number_(const egofocus_depth_reader
 }
 
 /* 1: there is a frame newer than the last one read; 0: none within the time (it may come back early: call
- * again); -EPIPE: the daemon has ended or begun anew, open again (frames that are there can still be read). */
+ * again); -EPIPE: the daemon has ended or begun anew, open again (frames that are there can still be read).
+ */
 static inline int egofocus_depth_wait(egofocus_depth_reader* reader, int timeout_ms) {
   int turn;
   for (turn = 0; turn < 2; ++turn) {
@@ -242,7 +246,8 @@ static inline int egofocus_depth_wait(egofocus_depth_reader* reader, int timeout
 }
 
 /* Word by word: what a writer does meanwhile gives a stale word, never an undefined one. */
-static inline void egofocus_depth_copy_(const egofocus_depth_reader* reader, size_t at, void* to, size_t bytes) {
+static inline void egofocus_depth_copy_(const egofocus_depth_reader* reader, size_t at, void* to,
+                                        size_t bytes) {
   size_t done;
   for (done = 0; done < bytes; done += 4) {
     const uint32_t word = egofocus_depth_load_(reader, at + done, __ATOMIC_RELAXED);
@@ -265,7 +270,8 @@ static inline int egofocus_depth_read_(egofocus_depth_reader* reader, int in_ord
     if (newest == 0 || unread == 0) return 0;
     if (egofocus_depth_load_(reader, slot, __ATOMIC_ACQUIRE) != 2 * number) continue;
     egofocus_depth_copy_(reader, slot + EGOFOCUS_DEPTH_INFO_AT, info, sizeof *info);
-    if (inverse_depth != NULL) egofocus_depth_copy_(reader, slot + h->inverse_depth_at, inverse_depth, 2 * pixels);
+    if (inverse_depth != NULL)
+      egofocus_depth_copy_(reader, slot + h->inverse_depth_at, inverse_depth, 2 * pixels);
     if (confidence != NULL) egofocus_depth_copy_(reader, slot + h->confidence_at, confidence, pixels);
     __atomic_thread_fence(__ATOMIC_ACQUIRE);
     if (egofocus_depth_load_(reader, slot, __ATOMIC_RELAXED) != 2 * number) continue;
@@ -277,7 +283,8 @@ static inline int egofocus_depth_read_(egofocus_depth_reader* reader, int in_ord
 }
 
 /* Copies the newest frame, if it is newer than the last one read: 1, else 0; -EAGAIN: this reader is so slow
- * that frames go by faster than it copies. Arrays hold egofocus_depth_pixels() elements; either may be NULL. */
+ * that frames go by faster than it copies. Arrays hold egofocus_depth_pixels() elements; either may be NULL.
+ */
 static inline int egofocus_depth_newest(egofocus_depth_reader* reader, egofocus_depth_info* info,
                                         uint16_t* inverse_depth, uint8_t* confidence) {
   return egofocus_depth_read_(reader, 0, info, inverse_depth, confidence);

@@ -250,8 +250,8 @@ typedef struct egofocus_depth_frame {
 } egofocus_depth_frame;
 
 typedef struct egofocus_event_counters {
-  uint64_t in, ring_dropped, over_rate, out_of_range, out_of_order, ahead, late, hot_pixel, refractory, isolated,
-      kept;
+  uint64_t in, ring_dropped, over_rate, out_of_range, out_of_order, ahead, late, hot_pixel, refractory,
+      isolated, kept;
 } egofocus_event_counters;
 typedef struct egofocus_sample_counters {
   uint64_t in, ring_dropped, late, invalid, used, rejected;

@@ -21,7 +21,8 @@ std::size_t Inlets::push(std::span<const Event> events) noexcept {
   }
   lost += count - rings_->events.push({kept, count});
   // One writer: no atomic addition is needed.
-  rings_->over_rate.store(rings_->over_rate.load(std::memory_order_relaxed) + thinned, std::memory_order_relaxed);
+  rings_->over_rate.store(rings_->over_rate.load(std::memory_order_relaxed) + thinned,
+                          std::memory_order_relaxed);
   return events.size() - lost;
 }
 std::size_t Inlets::push(std::span<const ImuSample> samples) noexcept {

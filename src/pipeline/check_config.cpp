@@ -37,7 +37,8 @@ Status check_event_rate(const Config& config) noexcept {
     return {StatusCode::kBadRing, "rings.max_event_rate_hz (0, or 10000 and more)", most_hz, 10'000};
   const double wait_s = 1.0 / config.rate.rate_hz + static_cast<double>(config.rate.lateness_us) * 1e-6;
   if (most_hz * wait_s > config.rings.events) {
-    return {StatusCode::kBadRing, "rings.events is too small for max_event_rate_hz over a period and lateness_us",
+    return {StatusCode::kBadRing,
+            "rings.events is too small for max_event_rate_hz over a period and lateness_us",
             config.rings.events, static_cast<std::int64_t>(most_hz * wait_s)};
   }
   return {};

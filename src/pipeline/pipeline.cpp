@@ -87,7 +87,8 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
       selection.count == 0 || selection.count < static_cast<std::uint32_t>(config_.window.min_events);
   if (has_motion && too_few) frame.flags |= kTooFewEvents;
   window_counters_.decimated += selection.in_window - selection.count;
-  if (lost_before_ring_ != lost_before_tick_ || selection.in_window != selection.count) frame.flags |= kOverload;
+  if (lost_before_ring_ != lost_before_tick_ || selection.in_window != selection.count)
+    frame.flags |= kOverload;
   lost_before_tick_ = lost_before_ring_;
 
   // 3. Where nothing can be measured well: the last measured depth, seen from here.

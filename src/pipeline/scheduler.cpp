@@ -40,7 +40,8 @@ std::int64_t Scheduler::wait(const Clock& clock, const std::atomic<bool>& stoppi
   const std::int64_t until_us = deadline_us();
   for (std::int64_t now_us = clock.now_us(clock.self); now_us < until_us; now_us = clock.now_us(clock.self)) {
     if (stopping.load(std::memory_order_relaxed)) break;
-    clock.sleep_until_us(clock.self, until_us - now_us > kLongestSleep_us ? now_us + kLongestSleep_us : until_us);
+    clock.sleep_until_us(clock.self,
+                         until_us - now_us > kLongestSleep_us ? now_us + kLongestSleep_us : until_us);
   }
   return clock.now_us(clock.self) - until_us;
 }

@@ -20,7 +20,8 @@
 
 namespace egofocus::recording {
 
-[[noreturn]] inline void fail(const std::string& name, const toml::source_region& at, const std::string& what) {
+[[noreturn]] inline void fail(const std::string& name, const toml::source_region& at,
+                              const std::string& what) {
   throw Error(ExitCode::kConfiguration, name + ":" + std::to_string(at.begin.line), what);
 }
 
