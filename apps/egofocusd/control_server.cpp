@@ -48,8 +48,7 @@ void ControlServer::add_to(std::vector<pollfd>& watched) const {
 }
 
 std::string ask(const std::filesystem::path& path, const std::string& request) {
-  const Descriptor socket = connect_to(path, SOCK_STREAM);
-  ::setsockopt(socket.number(), SOL_SOCKET, SO_RCVTIMEO, &kAnswerTime, sizeof kAnswerTime);
+  const Descriptor socket = connect_to(path, SOCK_STREAM, kAnswerTime);
   const std::string line = request + "\n";
   std::string answer;
   if (::send(socket.number(), line.data(), line.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(line.size())) {

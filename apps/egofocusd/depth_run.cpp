@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <ctime>
+#include <string>
 
 #include "recording/recording_source.hpp"
 
@@ -64,13 +65,8 @@ std::unique_ptr<Setup> DepthRun::end() {
 void DepthRun::work() noexcept {
   while (!may_tick_.load(std::memory_order_acquire) && !stopping_.load(std::memory_order_relaxed))
     ::nanosleep(&kShortly, nullptr);
-  const Status status = engine_.start(setup_->daemon.source.clock, sources_.first_tick_us);
-  if (!status.ok()) {
-    char text[320];
-    status.describe(text);
-    failure_ = text;
-    return tell(State::kFailed);
-  }
+  failure_ = engine_.start(setup_->daemon.source.clock, sources_.first_tick_us);
+  if (!failure_.ok()) return tell(State::kFailed);
   tell(State::kRunning);
   DepthFrame frame;
   while (!stopping_.load(std::memory_order_relaxed) && !sources_.ends_before(engine_.next_tick_us()) &&

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
-#include <string>
 
 #include "core/rt_thread.hpp"
 #include "depth_memory.hpp"
@@ -44,7 +43,7 @@ class DepthRun {
 
   [[nodiscard]] State state() const noexcept { return state_.load(std::memory_order_acquire); }
   /// kFailed: why. Thread: after kFailed was seen.
-  [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+  [[nodiscard]] const Status& failure() const noexcept { return failure_; }
   [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_.load(std::memory_order_relaxed); }
   [[nodiscard]] Health health() const noexcept { return engine_.health(); }
   [[nodiscard]] const char* isa() const noexcept { return engine_.isa(); }
@@ -69,7 +68,7 @@ class DepthRun {
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> may_tick_{true};
-  std::string failure_;
+  Status failure_;
   RtThread thread_;  // last: it ends before what it works on
 };
 

@@ -21,8 +21,8 @@ using recording::Json;
 
 constexpr std::int64_t kBeat_us = 1'000'000;
 constexpr int kLongestWait_ms = 100;
-constexpr int kStopTick_ms = 110;  // together well below the 200 ms that are promised
-constexpr int kStopDisk_ms = 60;
+constexpr int kStopTick_ms = 80;  // together well below the 200 ms that are promised
+constexpr int kStopDisk_ms = 40;
 
 std::string done(const char* what) {
   return Json().add("done", what).json();
@@ -30,6 +30,12 @@ std::string done(const char* what) {
 
 std::string refused(std::string_view why) {
   return Json().add("error", why).json();
+}
+
+Error not_started(const Status& failure) {
+  char text[320];
+  failure.describe(text);
+  return {failure.code() == StatusCode::kThread ? ExitCode::kMemory : ExitCode::kFile, "cannot be started", text};
 }
 
 // What sockets and threads were made with at the start stays as it is.
@@ -114,10 +120,9 @@ void Service::look_at_run() {
       ended_ = true;
       break;
     case DepthRun::State::kFailed:
-      if (fallback_ == nullptr) throw Error(ExitCode::kFile, "sources cannot be started: " + run_->failure());
+      if (fallback_ == nullptr) throw not_started(run_->failure());
       ++reloads_failed_;
-      log(Priority::kError,
-          "the new configuration cannot be started (" + run_->failure() + "); back to the old one");
+      log(Priority::kError, std::string(not_started(run_->failure()).what()) + " Back to the old configuration.");
       start(std::make_unique<DepthRun>(std::move(fallback_)));
       break;
   }

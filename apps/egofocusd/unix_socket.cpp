@@ -86,9 +86,11 @@ Descriptor ListeningSocket::accept() const noexcept {
   return Descriptor(::accept4(socket_.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
 }
 
-Descriptor connect_to(const std::filesystem::path& path, int type) {
+Descriptor connect_to(const std::filesystem::path& path, int type, timeval patience) {
   const sockaddr_un address = address_of(path);
   Descriptor socket(::socket(AF_UNIX, type | SOCK_CLOEXEC, 0));
+  for (const int direction : {SO_SNDTIMEO, SO_RCVTIMEO})
+    ::setsockopt(socket.number(), SOL_SOCKET, direction, &patience, sizeof patience);
   errno = try_connect(socket.number(), address);
   if (errno != 0) {
     throw Error(ExitCode::kFile, path.string(),

@@ -1,6 +1,8 @@
 // Unix sockets with a name in the file system.
 #pragma once
 
+#include <sys/time.h>
+
 #include <filesystem>
 
 #include "descriptor.hpp"
@@ -27,7 +29,8 @@ class ListeningSocket {
   Descriptor socket_;
 };
 
-/// Throws Error: kFile when nobody listens there, or it is not permitted.
-[[nodiscard]] Descriptor connect_to(const std::filesystem::path& path, int type);
+/// No call on it, nor the connection itself, waits longer than `patience`. Throws Error: kFile when nobody
+/// listens there, or it is not permitted.
+[[nodiscard]] Descriptor connect_to(const std::filesystem::path& path, int type, timeval patience);
 
 }  // namespace egofocus::daemon

@@ -19,8 +19,8 @@ from daemon_process import DaemonTest, wait_for
 
 def connect(path):
     client = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    client.settimeout(10)
     client.connect(path)
+    client.settimeout(10)
     return client
 
 

@@ -82,8 +82,8 @@ class Daemon:
 
     def ask(self, request):
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
-            client.settimeout(10)
             client.connect(self.control)
+            client.settimeout(10)
             client.sendall(request.encode() + b"\n")
             answer = b""
             while part := client.recv(65536):
@@ -137,4 +137,4 @@ def main():
     for name in ("daemon", "app", "recording", "source", "cc"):
         parser.add_argument("--" + name, required=True)
     arguments, rest = parser.parse_known_args()
-    unittest.main(module="__main__", argv=[sys.argv[0], *rest], verbosity=2)
+    unittest.main(module="__main__", argv=[sys.argv[0], *rest], verbosity=2, warnings="ignore")

@@ -87,9 +87,9 @@ class Life(DaemonTest):
             daemon.start()
             self.assertRegex(systemd.recv(500).decode(), "^READY=1\nSTATUS=depth every 200 ms$")
             messages = []
-            while messages.count("WATCHDOG=1") < 3:
+            while messages.count("WATCHDOG=1") < 3 or not any(m.startswith("STATUS=") for m in messages):
+                self.assertLess(len(messages), 40)
                 messages.append(systemd.recv(500).decode())
-            self.assertTrue(any(message.startswith("STATUS=") for message in messages), messages)
             daemon.stop()
             systemd.settimeout(0.5)
             while messages[-1] != "STOPPING=1":
@@ -133,7 +133,7 @@ class Life(DaemonTest):
         self.assertIn("[metrics] file: /not/there is no folder", found.stderr)
         self.assertEqual(len(found.stderr.splitlines()), 3)
         for change, code, says in (({"source__recording": "/not/there"}, 3, "/not/there"),
-                                   ({"engine__threads": 99}, 5, "bad threads"),
+                                   ({"engine__threads": 99}, 5, "bad number of threads"),
                                    ({"engine__backend": "network", "engine__model": "/not/there.efm"}, 3, "not/there.efm"),
                                    ({"depth__socket": "/not/there/depth.sock"}, 3, "/not/there")):
             wrong = self.daemon(**change)
@@ -156,7 +156,7 @@ class Life(DaemonTest):
         limit = 64 << 20
         refused = daemon.run(preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
         self.assertEqual(refused.returncode, 9, refused.stderr)
-        self.assertRegex(refused.stderr, "^egofocusd: .*no memory.*\n$")
+        self.assertRegex(refused.stderr, "^egofocusd: .*(no memory|system refused).*\n$")
 
     def test_the_end_of_the_recording_ends_it(self):
         daemon = self.daemon(source__at_end="stop").start()
