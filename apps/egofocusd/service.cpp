@@ -35,7 +35,8 @@ std::string refused(std::string_view why) {
 Error not_started(const Status& failure) {
   char text[320];
   failure.describe(text);
-  return {failure.code() == StatusCode::kThread ? ExitCode::kMemory : ExitCode::kFile, "cannot be started", text};
+  return {failure.code() == StatusCode::kThread ? ExitCode::kMemory : ExitCode::kFile, "cannot be started",
+          text};
 }
 
 // What sockets and threads were made with at the start stays as it is.
@@ -122,7 +123,8 @@ void Service::look_at_run() {
     case DepthRun::State::kFailed:
       if (fallback_ == nullptr) throw not_started(run_->failure());
       ++reloads_failed_;
-      log(Priority::kError, std::string(not_started(run_->failure()).what()) + " Back to the old configuration.");
+      log(Priority::kError,
+          std::string(not_started(run_->failure()).what()) + " Back to the old configuration.");
       start(std::make_unique<DepthRun>(std::move(fallback_)));
       break;
   }

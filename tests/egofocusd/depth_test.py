@@ -35,7 +35,7 @@ class Depth(DaemonTest):
         golden = daemon.folder / "golden.txt"
         subprocess.run([daemon_process.arguments.app, "replay", daemon_process.arguments.recording, "--backend", "focus",
                         "--golden", str(golden), "--json"], check=True, capture_output=True)
-        expected = [line.split() for line in golden.read_text().splitlines() if line.startswith("tick")]
+        expected = [line.split() for line in golden.read_text().splitlines() if line.startswith("tick ")]
         daemon.start()
         wait_for(lambda: os.path.exists(daemon.depth), "the socket")
         frames = list(DepthReader(daemon.depth).all_frames())
