@@ -22,6 +22,8 @@ catch2 /usr/include/catch2/catch.hpp,/usr/local/include/catch2/catch.hpp
 ccache ccache
 python3 python3
 python3-numpy /usr/lib/python3/dist-packages/numpy/__init__.py
+make make
+pkg-config pkg-config
 ROWS
       ;;
     convert) cat <<'ROWS'

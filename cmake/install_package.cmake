@@ -43,3 +43,12 @@ if(TARGET egofocus_app)
   install(FILES ${PROJECT_SOURCE_DIR}/apps/egofocus/70-egofocus.rules DESTINATION lib/udev/rules.d)
   install(TARGETS egofocus_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+
+# The daemon with its unit, its configuration and the example of a reader.
+if(TARGET egofocusd)
+  install(TARGETS egofocusd RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(FILES ${PROJECT_SOURCE_DIR}/apps/egofocusd/egofocusd.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/egofocus)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/watch_depth DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+  # Where systemd looks below /usr and /usr/local; it finds the program on its own search path.
+  install(FILES ${PROJECT_SOURCE_DIR}/apps/egofocusd/egofocusd.service DESTINATION lib/systemd/system)
+endif()

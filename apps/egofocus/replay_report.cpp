@@ -65,11 +65,10 @@ Json arena_facts(const ArenaBytes& bytes) {
 
 Json event_facts(const Health& health) {
   const EventCounters& e = health.events;
-  return Json()
-      .add("in", e.in)
-      .add("kept", e.kept)
-      .add("ring_dropped", e.ring_dropped)
-      .add("out_of_range", e.out_of_range)
+  Json facts;
+  facts.add("in", e.in).add("kept", e.kept).add("ring_dropped", e.ring_dropped);
+  if (e.over_rate > 0) facts.add("over_rate", e.over_rate);  // where a limit is set
+  return facts.add("out_of_range", e.out_of_range)
       .add("out_of_order", e.out_of_order)
       .add("late", e.late)
       .add("ahead", e.ahead)

@@ -151,6 +151,9 @@ struct VelocityNoise {
 struct RateConfig {
   double rate_hz = 20.0;         ///< 0.1..1000
   std::int64_t lateness_us = 0;  ///< tick k is about t_k and runs at t_k + lateness_us
+  /// kMonotonic: a tick that could only begin this much after t_k + lateness_us gives way to the newest one
+  /// that is due, so that depth is never older than this and a period; 0: however late, each tick runs.
+  std::int64_t max_late_us = 0;
 };
 
 /// Capacities in samples: powers of two.
@@ -159,6 +162,10 @@ struct RingConfig {
   std::uint32_t imu = 1u << 10;
   std::uint32_t odometry = 1u << 10;
   std::uint32_t poses = 1u << 10;
+  /// Overload: more events than this are thinned before they wait, evenly, counted by the millisecond of
+  /// their own time stamps and nothing else. 0: never; else 10,000 or more, and what comes in a period and
+  /// rate.lateness_us must fit into `events`.
+  std::int32_t max_event_rate_hz = 0;
 };
 
 /// Applied by Engine::start() on the monotonic clock; what the system refuses is reported in Health::refused.

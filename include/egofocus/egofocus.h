@@ -149,10 +149,12 @@ typedef struct egofocus_carry { /* depth shown where nothing can be measured: th
 typedef struct egofocus_rate {
   double rate_hz; /* 0.1..1000 */
   int64_t lateness_us;
+  int64_t max_late_us; /* 0: off */
 } egofocus_rate;
 
 typedef struct egofocus_rings { /* capacities in samples: powers of two */
   uint32_t events, imu, odometry, poses;
+  int32_t max_event_rate_hz; /* more are thinned, evenly; 0: never */
 } egofocus_rings;
 
 typedef struct egofocus_real_time {
@@ -256,7 +258,8 @@ typedef struct egofocus_depth_frame {
 } egofocus_depth_frame;
 
 typedef struct egofocus_event_counters {
-  uint64_t in, ring_dropped, out_of_range, out_of_order, ahead, late, hot_pixel, refractory, isolated, kept;
+  uint64_t in, ring_dropped, over_rate, out_of_range, out_of_order, ahead, late, hot_pixel, refractory,
+      isolated, kept;
 } egofocus_event_counters;
 typedef struct egofocus_sample_counters {
   uint64_t in, ring_dropped, late, invalid, used, rejected;

@@ -27,8 +27,9 @@ enum class Cause : std::uint8_t {
 
 /// Every item that entered is in exactly one of the lines below its "in" line.
 struct EventCounters {
-  std::uint64_t in = 0;            ///< offered to the ring
+  std::uint64_t in = 0;            ///< came in
   std::uint64_t ring_dropped = 0;  ///< ring full
+  std::uint64_t over_rate = 0;     ///< thinned: RingConfig::max_event_rate_hz
   std::uint64_t out_of_range = 0;  ///< x or y outside the sensor
   std::uint64_t out_of_order = 0;  ///< older than its predecessor
   std::uint64_t ahead = 0;         ///< kMonotonic: more than a second after the tick, a clock gone wrong

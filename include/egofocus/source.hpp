@@ -18,7 +18,8 @@ class EGOFOCUS_API Inlets {
   struct Rings;
   explicit Inlets(Rings& rings) noexcept : rings_(&rings) {}
 
-  /// Takes what fits, in order; drops and counts the rest. Returns the number taken.
+  /// Takes what fits, in order; drops and counts the rest. Returns the number taken; events that
+  /// RingConfig::max_event_rate_hz leaves out count as taken.
   std::size_t push(std::span<const Event> events) noexcept;
   std::size_t push(std::span<const ImuSample> samples) noexcept;
   std::size_t push(std::span<const OdometrySample> samples) noexcept;

@@ -3,7 +3,27 @@
 namespace egofocus {
 
 std::size_t Inlets::push(std::span<const Event> events) noexcept {
-  return rings_->events.push(events);
+  if (!rings_->thinner.is_on()) return rings_->events.push(events);
+  constexpr std::size_t kBatch = 64;
+  Event kept[kBatch];
+  std::size_t count = 0;
+  std::size_t lost = 0;
+  std::uint64_t thinned = 0;
+  for (const Event& event : events) {
+    if (!rings_->thinner.keep(event.t_us)) {
+      ++thinned;
+      continue;
+    }
+    kept[count++] = event;
+    if (count < kBatch) continue;
+    lost += count - rings_->events.push(kept);
+    count = 0;
+  }
+  lost += count - rings_->events.push({kept, count});
+  // One writer: no atomic addition is needed.
+  rings_->over_rate.store(rings_->over_rate.load(std::memory_order_relaxed) + thinned,
+                          std::memory_order_relaxed);
+  return events.size() - lost;
 }
 std::size_t Inlets::push(std::span<const ImuSample> samples) noexcept {
   return rings_->imu.push(samples);

@@ -1,6 +1,9 @@
 // What stands behind the public Inlets: the four rings.
 #pragma once
 
+#include <atomic>
+
+#include "core/event_thinner.hpp"
 #include "core/ring.hpp"
 #include "egofocus/source.hpp"
 
@@ -11,6 +14,8 @@ struct Inlets::Rings {
   SpscRing<ImuSample> imu;
   SpscRing<OdometrySample> odometry;
   SpscRing<PoseSample> poses;
+  EventThinner thinner{0};                  // in front of `events`, on its writer's thread
+  std::atomic<std::uint64_t> over_rate{0};  // taken out by it
 };
 
 }  // namespace egofocus

@@ -75,7 +75,7 @@ std::size_t Status::describe(std::span<char> out) const noexcept {
       with_value("bad rate", "See RateConfig for the ranges.");
       break;
     case StatusCode::kBadRing:
-      with_value("bad ring capacity", "Use a power of two from 64 to 2^24.");
+      with_value("bad ring", "See RingConfig: capacities are powers of two from 64 to 2^24.");
       break;
     case StatusCode::kBadFilter:
       with_value("bad event filter", "See FilterConfig for the ranges.");

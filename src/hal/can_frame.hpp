@@ -24,4 +24,11 @@ struct CanFilter {
   }
 };
 
+/// Sees frames as they come in, before anything is made of them: for a recorder. No function: nobody looks.
+/// Thread: the source's. RT: yes.
+struct CanTap {
+  void* self = nullptr;
+  void (*frame)(void* self, const CanFrame& frame) noexcept = nullptr;
+};
+
 }  // namespace egofocus

@@ -164,6 +164,7 @@ std::int64_t ReplaySource::pump_motion(Inlets& inlets, std::int64_t until_us) no
     }
     has_frame_ = false;
     MotionSamples samples;
+    if (streams_.can_tap.frame != nullptr) streams_.can_tap.frame(streams_.can_tap.self, frame_);
     streams_.can_motion->feed(frame_, samples);
     for (std::size_t i = 0; i < samples.imu_count; ++i) imu_[imu_count_++] = samples.imu[i];
     for (std::size_t i = 0; i < samples.odometry_count; ++i)

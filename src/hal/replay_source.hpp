@@ -26,6 +26,7 @@ struct ReplayStreams {
   /// How much older than the frame that completes it a motion sample can be: can_lag_us() of the
   /// configuration.
   std::int64_t can_lag_us = 0;
+  CanTap can_tap = {};
 };
 
 /// All that was read, used and left out, per stream.

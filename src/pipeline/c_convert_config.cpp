@@ -151,26 +151,27 @@ egofocus_carry to_c(const CarryConfig& in) noexcept {
 
 RateConfig from_c(const egofocus_rate& c) noexcept {
   RateConfig out;
-  auto& [rate_hz, lateness_us] = out;
-  rate_hz = c.rate_hz, lateness_us = c.lateness_us;
+  auto& [rate_hz, lateness_us, max_late_us] = out;
+  rate_hz = c.rate_hz, lateness_us = c.lateness_us, max_late_us = c.max_late_us;
   return out;
 }
 
 egofocus_rate to_c(const RateConfig& in) noexcept {
-  const auto& [rate_hz, lateness_us] = in;
-  return {rate_hz, lateness_us};
+  const auto& [rate_hz, lateness_us, max_late_us] = in;
+  return {rate_hz, lateness_us, max_late_us};
 }
 
 RingConfig from_c(const egofocus_rings& c) noexcept {
   RingConfig out;
-  auto& [events, imu, odometry, poses] = out;
+  auto& [events, imu, odometry, poses, max_event_rate_hz] = out;
   events = c.events, imu = c.imu, odometry = c.odometry, poses = c.poses;
+  max_event_rate_hz = c.max_event_rate_hz;
   return out;
 }
 
 egofocus_rings to_c(const RingConfig& in) noexcept {
-  const auto& [events, imu, odometry, poses] = in;
-  return {events, imu, odometry, poses};
+  const auto& [events, imu, odometry, poses, max_event_rate_hz] = in;
+  return {events, imu, odometry, poses, max_event_rate_hz};
 }
 
 RealTimeConfig from_c(const egofocus_real_time& c) noexcept {

@@ -14,9 +14,10 @@ egofocus_sample_counters to_c(const SampleCounters& counters) noexcept {
 }
 
 egofocus_event_counters to_c(const EventCounters& counters) noexcept {
-  const auto& [in, ring_dropped, out_of_range, out_of_order, ahead, late, hot_pixel, refractory, isolated,
-               kept] = counters;
-  return {in, ring_dropped, out_of_range, out_of_order, ahead, late, hot_pixel, refractory, isolated, kept};
+  const auto& [in, ring_dropped, over_rate, out_of_range, out_of_order, ahead, late, hot_pixel, refractory,
+               isolated, kept] = counters;
+  return {in,   ring_dropped, over_rate,  out_of_range, out_of_order, ahead,
+          late, hot_pixel,    refractory, isolated,     kept};
 }
 
 egofocus_window_counters to_c(const WindowCounters& counters) noexcept {

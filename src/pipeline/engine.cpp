@@ -60,7 +60,8 @@ struct Engine::State {
         rings{SpscRing<Event>(arena.part(ArenaPart::kRings).array<Event>(c.rings.events)),
               SpscRing<ImuSample>(arena.array<ImuSample>(c.rings.imu)),
               SpscRing<OdometrySample>(arena.array<OdometrySample>(c.rings.odometry)),
-              SpscRing<PoseSample>(arena.array<PoseSample>(c.rings.poses))},
+              SpscRing<PoseSample>(arena.array<PoseSample>(c.rings.poses)),
+              EventThinner(c.rings.max_event_rate_hz)},
         inlets(rings),
         pipeline(c, model, kernels, arena) {
     config.filter.hot_pixels = {};
@@ -238,12 +239,17 @@ bool Engine::tick() noexcept {
   if (state_ == nullptr || !state_->started) return false;
   State& s = *state_;
   if (s.stopping.load(std::memory_order_relaxed)) return false;
-  const std::int64_t tick_us = s.scheduler.tick_us();
+  std::int64_t tick_us = s.scheduler.tick_us();
   std::int64_t late_us = 0;
   if (s.clock_kind == ClockKind::kVirtual) {
     if (!s.deliver_until(tick_us)) return false;
   } else {
-    late_us = s.scheduler.wait(s.clock);
+    late_us = s.scheduler.wait(s.clock, s.stopping);
+    if (s.config.rate.max_late_us > 0 && late_us > s.config.rate.max_late_us) {
+      s.counted.ticks.skipped += s.scheduler.catch_up(s.scheduler.deadline_us() + late_us);
+      late_us -= s.scheduler.tick_us() - tick_us;
+      tick_us = s.scheduler.tick_us();
+    }
     s.pipeline.ingest(s.rings, tick_us, kAheadLimit_us);
   }
   if (s.stopping.load(std::memory_order_relaxed)) return false;
@@ -266,7 +272,8 @@ bool Engine::tick() noexcept {
   s.frames.publish();
 
   s.pipeline.report(s.counted);
-  s.counted.events.in = s.rings.events.offered();
+  s.counted.events.over_rate = s.rings.over_rate.load(std::memory_order_relaxed);
+  s.counted.events.in = s.rings.events.offered() + s.counted.events.over_rate;
   s.counted.events.ring_dropped = s.rings.events.dropped();
   const auto count_ring = [](SampleCounters& counters, const auto& ring) {
     counters.in = ring.offered();

@@ -87,8 +87,9 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
       selection.count == 0 || selection.count < static_cast<std::uint32_t>(config_.window.min_events);
   if (has_motion && too_few) frame.flags |= kTooFewEvents;
   window_counters_.decimated += selection.in_window - selection.count;
-  if (ring_dropped_ != dropped_before_ || selection.in_window != selection.count) frame.flags |= kOverload;
-  dropped_before_ = ring_dropped_;
+  if (lost_before_ring_ != lost_before_tick_ || selection.in_window != selection.count)
+    frame.flags |= kOverload;
+  lost_before_tick_ = lost_before_ring_;
 
   // 3. Where nothing can be measured well: the last measured depth, seen from here.
   follow(has_motion, tick_us);
@@ -196,7 +197,7 @@ std::uint64_t Pipeline::ingest_events(SpscRing<Event>& ring, std::int64_t tick_u
 }
 
 std::uint64_t Pipeline::ingest(Inlets::Rings& rings, std::int64_t tick_us, std::int64_t ahead_us) noexcept {
-  ring_dropped_ = rings.events.dropped();
+  lost_before_ring_ = rings.events.dropped() + rings.over_rate.load(std::memory_order_relaxed);
   const std::int64_t horizon_us = tick_us > INT64_MAX - ahead_us ? INT64_MAX : tick_us + ahead_us;
   std::uint64_t taken = ingest_events(rings.events, tick_us, horizon_us);
   // The ego-motion sorts; what is newer than the tick waits in its ring, so that nothing depends on arrival.

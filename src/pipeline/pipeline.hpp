@@ -88,8 +88,8 @@ class Pipeline {
 
   std::int64_t last_tick_us_ = kBeginOfTime_us;
   std::int64_t last_depth_event_us_ = INT64_MIN;
-  std::uint64_t dropped_before_ = 0;
-  std::uint64_t ring_dropped_ = 0;
+  std::uint64_t lost_before_tick_ = 0;  // as of the last tick
+  std::uint64_t lost_before_ring_ = 0;
   std::uint64_t ahead_[3] = {0, 0, 0};  // samples of IMU, odometry, poses too far in the future
   std::uint64_t outside_until_ = 0;     // events up to this number are already counted as outside the motion
   WindowCounters window_counters_;

@@ -3,6 +3,11 @@
 #include "core/elementary.hpp"
 
 namespace egofocus {
+namespace {
+
+constexpr std::int64_t kLongestSleep_us = 50'000;
+
+}  // namespace
 
 Status Scheduler::check(const RateConfig& config) noexcept {
   if (!(config.rate_hz >= 0.1 && config.rate_hz <= 1000)) {
@@ -10,6 +15,9 @@ Status Scheduler::check(const RateConfig& config) noexcept {
   }
   if (config.lateness_us < 0 || config.lateness_us > 1'000'000) {
     return {StatusCode::kBadRate, "rate.lateness_us", config.lateness_us, 1'000'000};
+  }
+  if (config.max_late_us < 0 || config.max_late_us > 10'000'000) {
+    return {StatusCode::kBadRate, "rate.max_late_us", config.max_late_us, 10'000'000};
   }
   return {};
 }
@@ -28,9 +36,23 @@ std::int64_t Scheduler::at(std::uint64_t index) const noexcept {
   return first_us_ + static_cast<std::int64_t>(floor_of(periods * 1e6 / rate_hz_));
 }
 
-std::int64_t Scheduler::wait(const Clock& clock) noexcept {
-  if (clock.now_us(clock.self) < deadline_us()) clock.sleep_until_us(clock.self, deadline_us());
-  return clock.now_us(clock.self) - deadline_us();
+std::int64_t Scheduler::wait(const Clock& clock, const std::atomic<bool>& stopping) noexcept {
+  const std::int64_t until_us = deadline_us();
+  for (std::int64_t now_us = clock.now_us(clock.self); now_us < until_us; now_us = clock.now_us(clock.self)) {
+    if (stopping.load(std::memory_order_relaxed)) break;
+    clock.sleep_until_us(clock.self,
+                         until_us - now_us > kLongestSleep_us ? now_us + kLongestSleep_us : until_us);
+  }
+  return clock.now_us(clock.self) - until_us;
+}
+
+std::uint64_t Scheduler::catch_up(std::int64_t now_us) noexcept {
+  const std::uint64_t before = index_;
+  const std::uint64_t passed = advance(now_us);
+  // advance() goes on to a point that is not yet due, and at least by one.
+  index_ = before + passed;
+  if (at(index_ + 1) + lateness_us_ <= now_us) ++index_;
+  return index_ - before;
 }
 
 std::uint64_t Scheduler::advance(std::int64_t now_us) noexcept {

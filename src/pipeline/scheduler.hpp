@@ -4,6 +4,7 @@
 // up for in a burst.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "core/clock.hpp"
@@ -24,8 +25,13 @@ class Scheduler {
   [[nodiscard]] std::int64_t deadline_us() const noexcept { return tick_us() + lateness_us_; }
   [[nodiscard]] std::uint64_t index() const noexcept { return index_; }
 
-  /// Sleeps to the deadline. Returns how long after it the clock stands then.
-  std::int64_t wait(const Clock& clock) noexcept;
+  /// Sleeps to the deadline, or until `stopping` for at most 50 ms more. Returns how long after the deadline
+  /// the clock stands then.
+  std::int64_t wait(const Clock& clock, const std::atomic<bool>& stopping) noexcept;
+
+  /// Before a tick's work that could only begin too late: moves to the newest grid point whose deadline is not
+  /// after `now_us`. Returns the number of points passed over.
+  std::uint64_t catch_up(std::int64_t now_us) noexcept;
 
   /// After the tick's work: moves to the next grid point whose deadline is not before `now_us`. Returns the
   /// number of points passed over.

@@ -3,16 +3,10 @@
 // tables().
 #pragma once
 
-#include <array>
-#include <string_view>
-#include <utility>
-
 #include "recording/camera_toml.hpp"
+#include "recording/toml_names.hpp"
 
 namespace egofocus::recording {
-
-template <typename Enum, std::size_t N>
-using Names = std::array<std::pair<std::string_view, Enum>, N>;
 
 inline constexpr Names<Distortion, 3> kDistortionNames{{{"none", Distortion::kNone},
                                                         {"plumb_bob", Distortion::kPlumbBob},
@@ -114,6 +108,7 @@ template <typename Section>
 void describe(Section& s, RateConfig& v) {
   s.optional("rate_hz", v.rate_hz);
   s.optional("lateness_us", v.lateness_us);
+  s.optional("max_late_us", v.max_late_us);
 }
 
 template <typename Section>
@@ -122,6 +117,7 @@ void describe(Section& s, RingConfig& v) {
   s.optional("imu", v.imu);
   s.optional("odometry", v.odometry);
   s.optional("poses", v.poses);
+  s.optional("max_event_rate_hz", v.max_event_rate_hz);
 }
 
 inline const char* unit_name(CanUnit unit) noexcept {

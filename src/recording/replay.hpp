@@ -10,20 +10,12 @@
 #include <vector>
 
 #include "egofocus/engine.hpp"
-#include "hal/can_motion_decoder.hpp"
-#include "hal/evt_decoder.hpp"
-#include "hal/replay_source.hpp"
 #include "recording/error.hpp"
 #include "recording/event_reader.hpp"
 #include "recording/folder.hpp"
+#include "recording/recording_source.hpp"
 
 namespace egofocus::recording {
-
-/// Throws Error with the Status's text when it is not ok.
-void require(const Status& status, const std::string& where, ExitCode code = ExitCode::kConfiguration);
-
-/// The decoder of a recording's CAN log, by its DBC and [can]. Throws Error.
-[[nodiscard]] std::unique_ptr<CanMotionDecoder> make_can_decoder(const Folder& folder);
 
 /// An engine with its arena, its recording and its replay source, under the virtual clock. Not for real time:
 /// the set-up uses the heap. Move-free, since the engine refers to the source.
@@ -34,9 +26,10 @@ class Replay {
   Replay(const Replay&) = delete;
   Replay& operator=(const Replay&) = delete;
 
-  /// Where the tick grid begins when nobody says otherwise: the first depth truth; without truth the first
-  /// whole period after the first event.
-  [[nodiscard]] std::int64_t default_first_tick_us() const;
+  /// RecordingSource's, at the configured rate.
+  [[nodiscard]] std::int64_t default_first_tick_us() const {
+    return source_.default_first_tick_us(config().rate.rate_hz);
+  }
 
   void start(std::int64_t first_tick_us);
 
@@ -53,29 +46,21 @@ class Replay {
   [[nodiscard]] const Folder& folder() const { return folder_; }
   [[nodiscard]] const Config& config() const { return folder_.camera.config; }
   [[nodiscard]] Engine& engine() { return engine_; }
-  [[nodiscard]] ReplayCounters counters() const { return source_->counters(); }
+  [[nodiscard]] ReplayCounters counters() const { return source_.counters(); }
   [[nodiscard]] const ArenaBytes& arena_bytes() const { return arena_bytes_; }
-  [[nodiscard]] std::int64_t first_event_us() const { return first_event_us_; }
-  [[nodiscard]] std::int64_t last_event_us() const { return last_event_us_; }
-  [[nodiscard]] std::uint64_t event_count() const { return event_count_; }
-  /// Bytes of the last word of events.raw when the file ends inside it.
-  [[nodiscard]] std::size_t cut_off_bytes() const { return cut_off_bytes_; }
+  [[nodiscard]] std::int64_t first_event_us() const { return source_.first_event_us(); }
+  [[nodiscard]] std::int64_t last_event_us() const { return source_.last_event_us(); }
+  [[nodiscard]] std::uint64_t event_count() const { return source_.event_count(); }
+  [[nodiscard]] std::size_t cut_off_bytes() const { return source_.cut_off_bytes(); }
 
  private:
-  void scan_events();
-
   struct FreeArena {
     void operator()(void* block) const { std::free(block); }
   };
 
   Folder folder_;
-  std::unique_ptr<CanMotionDecoder> can_motion_;
-  std::unique_ptr<ReplaySource> source_;
-  std::optional<EventReader> reader_;  // of the same events, for pictures
-  std::int64_t first_event_us_ = 0;
-  std::int64_t last_event_us_ = 0;
-  std::uint64_t event_count_ = 0;
-  std::size_t cut_off_bytes_ = 0;
+  RecordingSource source_;
+  EventReader reader_;  // of the same events, for pictures
   ArenaBytes arena_bytes_;
   std::unique_ptr<void, FreeArena> arena_;
   Engine engine_;  // last: it goes first

@@ -9,7 +9,7 @@
 #include "hal/raw_header.hpp"
 #include "recording/error.hpp"
 #include "recording/event_reader.hpp"
-#include "recording/replay.hpp"
+#include "recording/recording_source.hpp"
 #include "recording/rotation_from_events.hpp"
 
 namespace egofocus::recording {

@@ -1,6 +1,7 @@
 // The tick grid against exact integer arithmetic, and a clock that oversleeps by script.
 #include "pipeline/scheduler.hpp"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <limits>
 #include <vector>
@@ -25,6 +26,8 @@ struct ScriptedClock {
             }};
   }
 };
+
+const std::atomic<bool> kGoesOn{false};
 
 }  // namespace
 
@@ -102,19 +105,50 @@ TEST_CASE("wait sleeps to the absolute deadline and reports the overshoot") {
   RateConfig config;
   config.rate_hz = 100;
   scheduler.start(config, 10'000);
-  CHECK(scheduler.wait(clock.clock()) == 0);
+  CHECK(scheduler.wait(clock.clock(), kGoesOn) == 0);
   CHECK(scheduler.advance(clock.now_us) == 0);
-  CHECK(scheduler.wait(clock.clock()) == 150);
+  CHECK(scheduler.wait(clock.clock(), kGoesOn) == 150);
   CHECK(scheduler.advance(clock.now_us) == 0);
-  CHECK(scheduler.wait(clock.clock()) == 12'000);  // now = 42'000
-  CHECK(scheduler.advance(clock.now_us) == 1);     // 40'000 is past
+  CHECK(scheduler.wait(clock.clock(), kGoesOn) == 12'000);  // now = 42'000
+  CHECK(scheduler.advance(clock.now_us) == 1);              // 40'000 is past
   CHECK(scheduler.tick_us() == 50'000);
-  CHECK(scheduler.wait(clock.clock()) == 0);
+  CHECK(scheduler.wait(clock.clock(), kGoesOn) == 0);
   CHECK(clock.sleeps == 4);
   clock.now_us = 75'000;
   scheduler.advance();
-  CHECK(scheduler.wait(clock.clock()) == 15'000);  // already late: no sleep at all
+  CHECK(scheduler.wait(clock.clock(), kGoesOn) == 15'000);  // already late: no sleep at all
   CHECK(clock.sleeps == 4);
+}
+
+TEST_CASE("a long wait is cut into pieces, and ends soon after it was told to") {
+  ScriptedClock clock;
+  Scheduler scheduler;
+  RateConfig config;
+  config.rate_hz = 0.1;
+  scheduler.start(config, 10'000'000);
+  std::atomic<bool> stopping{true};
+  CHECK(scheduler.wait(clock.clock(), stopping) == -10'000'000);
+  CHECK(clock.sleeps == 0);
+  stopping = false;
+  CHECK(scheduler.wait(clock.clock(), stopping) == 0);
+  CHECK(clock.sleeps == 200);
+}
+
+TEST_CASE("a tick that would begin too late gives way to the newest one due") {
+  const std::int64_t period_us = 20'000, lateness_us = 3'000;
+  Scheduler scheduler;
+  RateConfig config;
+  config.rate_hz = 50;
+  config.lateness_us = lateness_us;
+  for (std::int64_t now_us = lateness_us; now_us < 500'000; now_us += 997) {
+    scheduler.start(config, 0);
+    const std::int64_t due =
+        (now_us - lateness_us) / period_us;  // number of the newest one, as integers see it
+    CHECK(scheduler.catch_up(now_us) == static_cast<std::uint64_t>(due));
+    CHECK(scheduler.tick_us() == due * period_us);
+  }
+  scheduler.start(config, 0);
+  CHECK(scheduler.catch_up(40 * period_us + lateness_us) == 40);  // due at this very moment
 }
 
 TEST_CASE("the monotonic clock does not go back, and sleeps at least as long as asked") {

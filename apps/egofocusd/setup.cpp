@@ -1,0 +1,31 @@
+#include "setup.hpp"
+
+#include "recording/recording_source.hpp"
+
+namespace egofocus::daemon {
+
+Setup::Setup(const DaemonConfig& config) : daemon(config) {
+  // Here live sources differ: their camera file is the one that [engine] names.
+  camera_file = config.source.recording / "camera.toml";
+  camera = recording::read_camera_toml(camera_file);
+  Config& engine = camera.config;
+  engine.backend = config.engine.backend;
+  engine.threads = config.engine.threads;
+  if (config.engine.rate_hz) engine.rate.rate_hz = *config.engine.rate_hz;
+  engine.rate.lateness_us = config.engine.lateness_us;
+  engine.rate.max_late_us = config.engine.max_late_us;
+  engine.rings.max_event_rate_hz = config.engine.max_event_rate_hz;
+  engine.real_time = config.engine.real_time;
+  if (!config.engine.model.empty()) {
+    model.emplace(config.engine.model);
+    engine.model = model->bytes();
+  }
+  recording::require(Engine::required_arena(engine, arena_bytes), camera_file.string());
+}
+
+const Intrinsics& Setup::grid() const noexcept {
+  const Config& engine = camera.config;
+  return engine.grid.width_px != 0 ? engine.grid : engine.camera.intrinsics;
+}
+
+}  // namespace egofocus::daemon
