@@ -11,8 +11,8 @@ using recording::Error;
 using recording::ExitCode;
 using recording::Names;
 
-constexpr Names<EventsFrom, 1> kEventsNames{{{"replay", EventsFrom::kReplay}}};
-constexpr Names<MotionFrom, 1> kMotionNames{{{"replay", MotionFrom::kReplay}}};
+constexpr Names<EventsFrom, 2> kEventsNames{{{"replay", EventsFrom::kReplay}, {"usb", EventsFrom::kUsb}}};
+constexpr Names<MotionFrom, 2> kMotionNames{{{"replay", MotionFrom::kReplay}, {"can", MotionFrom::kCan}}};
 constexpr Names<ClockKind, 2> kClockNames{
     {{"real", ClockKind::kMonotonic}, {"virtual", ClockKind::kVirtual}}};
 constexpr Names<AtEnd, 2> kAtEndNames{{{"stop", AtEnd::kStop}, {"repeat", AtEnd::kRepeat}}};
@@ -33,12 +33,33 @@ void describe(Section& s, SourceConfig& v) {
   s.choice("clock", v.clock, kClockNames);
   s.choice("at_end", v.at_end, kAtEndNames);
   s.optional("wait_for_reader", v.wait_for_reader);
-  if (v.recording.empty())
+  const bool is_replay = v.events == EventsFrom::kReplay;
+  if (is_replay != (v.motion == MotionFrom::kReplay))
+    s.refuse("motion", "and `events` must be both \"replay\", or both live");
+  if (is_replay && v.recording.empty())
     s.refuse("recording", "is missing: events = \"replay\" needs the folder of a recording");
+  if (!is_replay && !v.recording.empty()) s.refuse("recording", "is for events = \"replay\" alone");
+  if (!is_replay && v.clock == ClockKind::kVirtual)
+    s.refuse("clock", "cannot be \"virtual\" with devices, which do not wait");
   if (v.clock == ClockKind::kVirtual && v.at_end == AtEnd::kRepeat)
     s.refuse("at_end", "cannot be \"repeat\" with clock = \"virtual\", whose time goes one way");
   if (v.clock == ClockKind::kMonotonic && v.wait_for_reader)
     s.refuse("wait_for_reader", "is for clock = \"virtual\" alone: real time does not wait");
+}
+
+template <typename Section>
+void describe(Section& s, CanConfig& v) {
+  std::string name = v.interface_name;
+  s.optional("interface", name);
+  if (name.empty() || name.size() >= sizeof v.interface_name)
+    s.refuse("interface", "must have 1..15 characters");
+  v.interface_name[name.copy(v.interface_name, name.size())] = '\0';
+  s.optional("hardware_time", v.hardware_time);
+  s.optional("wait_for_interface", v.wait_for_interface);
+  s.optional("restart_after_us", v.restart_after_us);
+  s.optional("receive_buffer_bytes", v.receive_buffer_bytes);
+  if (v.restart_after_us < 0) s.refuse("restart_after_us", "must not be negative");
+  if (v.receive_buffer_bytes < 0) s.refuse("receive_buffer_bytes", "must not be negative");
 }
 
 template <typename Section>
@@ -114,6 +135,7 @@ std::vector<std::string> parse_daemon_config(std::string_view text, const std::f
   if (!root.contains("source"))
     problems.push_back(name + ": lacks the section [source]. `egofocusd --print-config` shows one.");
   attempt([&] { file.section("source", config.source); });
+  attempt([&] { file.section("can", config.can); });
   attempt([&] { file.section("engine", config.engine); });
   attempt([&] { file.section("depth", config.depth); });
   attempt([&] { file.section("control", config.control); });
@@ -122,9 +144,12 @@ std::vector<std::string> parse_daemon_config(std::string_view text, const std::f
   attempt([&] { file.finish(); });
   if (config.depth.socket == config.control.socket)
     problems.push_back(name + ": [depth] and [control] name the same `socket`. Give each its own.");
-  if (config.source.events == EventsFrom::kReplay && !config.engine.camera.empty())
+  const bool is_replay = config.source.events == EventsFrom::kReplay;
+  if (is_replay && !config.engine.camera.empty())
     problems.push_back(
         name + ": [engine] `camera` contradicts events = \"replay\": the recording has its own. Remove it.");
+  if (!is_replay && config.engine.camera.empty())
+    problems.push_back(name + ": [engine] lacks `camera`: devices need a camera.toml (docs/formats.md).");
   return problems;
 }
 

@@ -10,11 +10,12 @@
 
 #include "egofocus/config.hpp"
 #include "egofocus/engine.hpp"
+#include "hal/socketcan_source.hpp"
 
 namespace egofocus::daemon {
 
-enum class EventsFrom : std::uint8_t { kReplay };
-enum class MotionFrom : std::uint8_t { kReplay };
+enum class EventsFrom : std::uint8_t { kReplay, kUsb };
+enum class MotionFrom : std::uint8_t { kReplay, kCan };
 enum class AtEnd : std::uint8_t { kStop, kRepeat };
 
 struct SourceConfig {
@@ -57,9 +58,12 @@ struct RecordConfig {
   std::uint32_t max_mib = 4096;
 };
 
+struct CanConfig : SocketCanConfig {};
+
 struct DaemonConfig {
   std::filesystem::path file;
   SourceConfig source;
+  CanConfig can;
   EngineConfig engine;
   DepthConfig depth{{"/run/egofocus/depth.sock", true}, 4};
   SocketConfig control{"/run/egofocus/control.sock", true};

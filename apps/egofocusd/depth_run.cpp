@@ -43,6 +43,11 @@ void DepthRun::start(DepthMemory& memory, Recorder& recorder) {
   sources_ = open_sources(*setup_, recorder);
   for (const Source& source : sources_.to_attach)
     require(engine_.attach(source), source.name, ExitCode::kInternal);
+  require(engine_.watch_events({&recorder,
+                                [](void* self, std::span<const Event> events) noexcept {
+                                  static_cast<Recorder*>(self)->take(events);
+                                }}),
+          "recorder", ExitCode::kInternal);
   may_tick_.store(!setup_->daemon.source.wait_for_reader, std::memory_order_relaxed);
   require(
       thread_.start(

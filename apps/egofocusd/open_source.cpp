@@ -1,6 +1,7 @@
 #include "open_source.hpp"
 
 #include "core/clock.hpp"
+#include "live_sources.hpp"
 #include "paced_source.hpp"
 #include "recording/folder.hpp"
 #include "recording/recording_source.hpp"
@@ -44,7 +45,13 @@ OpenSources replay_real(const Setup& setup, Recorder& recorder) {
 }  // namespace
 
 OpenSources open_sources(const Setup& setup, Recorder& recorder) {
-  // [source] events and motion know "replay" alone; a live kind branches off here, with its own Source.
+  if (setup.daemon.source.events != EventsFrom::kReplay) {
+    OpenSources open = open_live_sources(setup, recorder);
+    const Clock clock = monotonic_clock();
+    open.first_tick_us = clock.now_us(clock.self) + period_us(setup);
+    open.ends_before = [](std::int64_t) { return false; };
+    return open;
+  }
   if (setup.daemon.source.clock == ClockKind::kVirtual) return replay_virtual(setup);
   return replay_real(setup, recorder);
 }

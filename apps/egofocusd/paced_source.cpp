@@ -76,7 +76,6 @@ std::size_t PacedSource::pass_events(Inlets& out) noexcept {
     std::copy(ready.begin(), ready.end(), batch.begin());
     const std::span<Event> moved = std::span(batch).first(ready.size());
     for (Event& event : moved) event.t_us += offset_us_;
-    recorder_.take(moved);
     out.push(std::span<const Event>(moved));
     rings_.events.release(moved.size());
     passed += moved.size();

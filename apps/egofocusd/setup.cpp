@@ -5,8 +5,8 @@
 namespace egofocus::daemon {
 
 Setup::Setup(const DaemonConfig& config) : daemon(config) {
-  // Here live sources differ: their camera file is the one that [engine] names.
-  camera_file = config.source.recording / "camera.toml";
+  camera_file = config.source.events == EventsFrom::kReplay ? config.source.recording / "camera.toml"
+                                                            : config.engine.camera;
   camera = recording::read_camera_toml(camera_file);
   Config& engine = camera.config;
   engine.backend = config.engine.backend;

@@ -61,6 +61,9 @@ class EGOFOCUS_API Engine {
   /// Up to 8 sources, before start(). RT: no.
   Status attach(const Source& source) noexcept;
 
+  /// Shows all events that come in to `tap`, before start(). Its object must outlive the engine. RT: no.
+  Status watch_events(const EventTap& tap) noexcept;
+
   /// `first_tick_us` is t_0 of the tick grid. Starts sources and threads. RT: no.
   Status start(ClockKind clock, std::int64_t first_tick_us) noexcept;
 

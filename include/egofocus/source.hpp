@@ -35,6 +35,13 @@ class EGOFOCUS_API Inlets {
   Rings* rings_;
 };
 
+/// Sees every event that is pushed, as it is pushed: before thinning, and whether or not the ring takes it.
+/// For a recorder. Thread: the events' writer. RT: `events` must be, too.
+struct EventTap {
+  void* self = nullptr;
+  void (*events)(void* self, std::span<const Event> pushed) noexcept = nullptr;
+};
+
 /// What one poll brought.
 struct Delivery {
   /// Every sample of this source with t <= watermark_us has been pushed.

@@ -3,6 +3,7 @@
 namespace egofocus {
 
 std::size_t Inlets::push(std::span<const Event> events) noexcept {
+  if (rings_->tap.events != nullptr) rings_->tap.events(rings_->tap.self, events);
   if (!rings_->thinner.is_on()) return rings_->events.push(events);
   constexpr std::size_t kBatch = 64;
   Event kept[kBatch];

@@ -15,6 +15,7 @@ struct Inlets::Rings {
   SpscRing<OdometrySample> odometry;
   SpscRing<PoseSample> poses;
   EventThinner thinner{0};                  // in front of `events`, on its writer's thread
+  EventTap tap = {};                        // in front of that
   std::atomic<std::uint64_t> over_rate{0};  // taken out by it
 };
 

@@ -267,7 +267,7 @@ void SocketCanSource::take(const CanMessage& message, Inlets& inlets) noexcept {
   errors_.hear();
   CanFrame frame = message.frame;
   take_time(message, frame);
-  if (record_ != nullptr && record_->push({&frame, 1}) == 0) ++health_.record_dropped;
+  if (tap_.frame != nullptr) tap_.frame(tap_.self, frame);
   MotionSamples samples;
   motion_->feed(frame, samples);
   if (samples.imu_count > 0) inlets.push(std::span<const ImuSample>(samples.imu, samples.imu_count));

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/ring.hpp"
 #include "core/snapshot.hpp"
 #include "egofocus/source.hpp"
 #include "hal/can_error.hpp"
@@ -54,7 +53,6 @@ struct SocketCanHealth {
   std::uint64_t without_stamp =
       0;  ///< no time stamp of the kernel, or one that cannot be: time of reading taken
   std::uint64_t hardware_stamps = 0;
-  std::uint64_t record_dropped = 0;  ///< the ring for raw frames was full
   std::uint64_t link_downs = 0;
   std::uint64_t link_losses = 0;
   std::uint64_t opened = 0;
@@ -76,12 +74,11 @@ struct SocketCanHealth {
 /// for, a few system calls each 100 ms.
 class SocketCanSource {
  public:
-  /// `motion` is configured and outlives the source; only frames that it uses pass the kernel's filter. A
-  /// `record` ring gets these frames as well, when given; its reader is another thread.
-  SocketCanSource(const SocketCanConfig& config, CanMotionDecoder& motion,
-                  SpscRing<CanFrame>* record = nullptr,
+  /// `motion` is configured and outlives the source; only frames that it uses pass the kernel's filter. `tap`
+  /// sees these.
+  SocketCanSource(const SocketCanConfig& config, CanMotionDecoder& motion, CanTap tap = {},
                   const SocketCanIo& io = system_socketcan_io()) noexcept
-      : config_(config), motion_(&motion), record_(record), io_(io) {}
+      : config_(config), motion_(&motion), tap_(tap), io_(io) {}
   ~SocketCanSource() { stop(); }
   SocketCanSource(const SocketCanSource&) = delete;
   SocketCanSource& operator=(const SocketCanSource&) = delete;
@@ -114,7 +111,7 @@ class SocketCanSource {
 
   SocketCanConfig config_;
   CanMotionDecoder* motion_;
-  SpscRing<CanFrame>* record_;
+  CanTap tap_;
   SocketCanIo io_;
   int fd_ = -1;
   int index_ = 0;

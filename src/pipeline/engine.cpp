@@ -165,6 +165,13 @@ Status Engine::attach(const Source& source) noexcept {
   return {};
 }
 
+Status Engine::watch_events(const EventTap& tap) noexcept {
+  if (state_ == nullptr) return {StatusCode::kBadState, "watch_events() before configure()"};
+  if (state_->started) return {StatusCode::kBadState, "watch_events() after start()"};
+  state_->rings.tap = tap;
+  return {};
+}
+
 Status Engine::start(ClockKind clock, std::int64_t first_tick_us) noexcept {
   if (state_ == nullptr) return {StatusCode::kBadState, "start() before configure()"};
   State& s = *state_;

@@ -13,13 +13,17 @@ constexpr std::size_t kBatch = 4096;
 
 }  // namespace
 
-std::unique_ptr<CanMotionDecoder> make_can_decoder(const Folder& folder) {
-  const std::string where = (folder.path / folder.camera.can.dbc).string();
+std::unique_ptr<CanMotionDecoder> make_can_decoder(const CanSetup& can, std::string_view text,
+                                                   const std::filesystem::path& file) {
   const auto dbc = std::make_unique<Dbc>();
-  require(read_dbc(folder.dbc, {}, *dbc), where, ExitCode::kBadFile);
+  require(read_dbc(text, {}, *dbc), file.string(), ExitCode::kBadFile);
   auto decoder = std::make_unique<CanMotionDecoder>();
-  require(decoder->configure(folder.camera.can.motion, *dbc), where);
+  require(decoder->configure(can.motion, *dbc), file.string());
   return decoder;
+}
+
+std::unique_ptr<CanMotionDecoder> make_can_decoder(const Folder& folder) {
+  return make_can_decoder(folder.camera.can, folder.dbc, folder.path / folder.camera.can.dbc);
 }
 
 void require(const Status& status, const std::string& where, ExitCode code) {

@@ -19,7 +19,10 @@ namespace egofocus::recording {
 /// Throws Error with the Status's text when it is not ok.
 void require(const Status& status, const std::string& where, ExitCode code = ExitCode::kConfiguration);
 
-/// The decoder of a recording's CAN log, by its DBC and [can]. Throws Error.
+/// The decoder of [can] with the text of its DBC, which came from `file`. Throws Error.
+[[nodiscard]] std::unique_ptr<CanMotionDecoder> make_can_decoder(const CanSetup& can, std::string_view dbc,
+                                                                 const std::filesystem::path& file);
+/// That of a recording's CAN log.
 [[nodiscard]] std::unique_ptr<CanMotionDecoder> make_can_decoder(const Folder& folder);
 
 class RecordingSource {

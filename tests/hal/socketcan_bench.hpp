@@ -18,8 +18,8 @@ struct CanBench {
   explicit CanBench(const SocketCanConfig& config = {})
       : CanBench(config, bosch(), *read_shipped_dbc("bosch_mm.dbc")) {}
   CanBench(const SocketCanConfig& config, const CanMotionConfig& motion_config, const Dbc& dbc,
-           SpscRing<CanFrame>* record = nullptr)
-      : motion(configured(motion_config, dbc)), source(config, *motion, record, kernel.io()) {}
+           CanTap tap = {})
+      : motion(configured(motion_config, dbc)), source(config, *motion, tap, kernel.io()) {}
 
   static std::unique_ptr<CanMotionDecoder> configured(const CanMotionConfig& config, const Dbc& dbc) {
     auto decoder = std::make_unique<CanMotionDecoder>();

@@ -1,0 +1,99 @@
+#include "live_sources.hpp"
+
+#include <string>
+#include <utility>
+
+#include "core/clock.hpp"
+#include "hal/usb_camera_source.hpp"
+#include "recording/recording_source.hpp"
+#include "recording/text_file.hpp"
+
+namespace egofocus::daemon {
+namespace {
+
+using recording::Error;
+using recording::ExitCode;
+using recording::require;
+
+void require_device(const Status& status, const std::string& where) {
+  require(status, where, status.code() == StatusCode::kNoDevice ? ExitCode::kNoDevice : ExitCode::kDevice);
+}
+
+struct UsbCamera {
+  UsbCamera(const UsbCameraSettings& settings, const UsbIo& io)
+      : buffers(UsbCameraSource::buffer_bytes(settings)), source(settings, buffers, io, monotonic_clock()) {}
+  std::vector<std::byte> buffers;
+  UsbCameraSource source;
+};
+
+struct CanBus {
+  CanBus(const SocketCanConfig& config, std::unique_ptr<CanMotionDecoder> motion, Recorder& recorder)
+      : decoder(std::move(motion)),
+        source(config, *decoder, {&recorder, [](void* self, const CanFrame& frame) noexcept {
+                                    static_cast<Recorder*>(self)->take(frame);
+                                  }}) {}
+  std::unique_ptr<CanMotionDecoder> decoder;
+  SocketCanSource source;
+};
+
+void require_size(SensorSize size, const Setup& setup) {
+  const Intrinsics& camera = setup.camera.config.camera.intrinsics;
+  if (size.width_px == camera.width_px && size.height_px == camera.height_px) return;
+  throw Error(ExitCode::kConfiguration, setup.camera_file.string(),
+              "says " + std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px) +
+                  " px, but the camera has " + std::to_string(size.width_px) + "x" +
+                  std::to_string(size.height_px) + ". Use the calibration of this sensor.");
+}
+
+void open_usb(const Setup& setup, OpenSources& open) {
+  const UsbIo* const usb = system_usb();
+  if (usb == nullptr) {
+    throw Error(ExitCode::kNoDevice, "[source] events",
+                "this build has no USB. Install libusb (Debian: libusb-1.0-0-dev) and build again with "
+                "EGOFOCUS_USB=ON.");
+  }
+  auto camera = std::make_shared<UsbCamera>(setup.camera.usb.camera, *usb);
+  require_device(camera->source.open(), "[usb] of " + setup.camera_file.string());
+  require_size(camera->source.info().size, setup);
+  open.to_attach.push_back(camera->source.source());
+  open.kept.push_back(std::move(camera));
+}
+
+void open_can(const Setup& setup, Recorder& recorder, OpenSources& open) {
+  const recording::CanSetup& can = setup.camera.can;
+  if (can.dbc.empty()) {
+    throw Error(ExitCode::kConfiguration, setup.camera_file.string(),
+                "lacks the section [can]: motion = \"can\" needs a DBC and its signals (docs/formats.md).");
+  }
+  const std::filesystem::path dbc = setup.camera_file.parent_path() / can.dbc;
+  auto bus = std::make_shared<CanBus>(
+      setup.daemon.can, recording::make_can_decoder(can, recording::read_text_file(dbc), dbc), recorder);
+  require_device(bus->source.start(), std::string("[can] interface ") + setup.daemon.can.interface_name);
+  bus->source.stop();
+  open.to_attach.push_back(bus->source.source());
+  open.kept.push_back(std::move(bus));
+}
+
+// Each inlet has one writer.
+void require_one_imu(const Setup& setup) {
+  const CanMotionConfig& can = setup.camera.can.motion;
+  if (!setup.camera.usb.camera.imu) return;
+  for (std::size_t i = 0; i < can.signal_count; ++i) {
+    if (can.signals[i].role > CanRole::kAccelZ) continue;
+    throw Error(ExitCode::kConfiguration, setup.camera_file.string(),
+                "has two IMUs: [usb] imu = true, and [can] signals with the role " +
+                    std::string(to_string(can.signals[i].role)) + ". Remove one.");
+  }
+}
+
+}  // namespace
+
+OpenSources open_live_sources(const Setup& setup, Recorder& recorder) {
+  require_one_imu(setup);
+  OpenSources open;
+  open_usb(setup, open);
+  open_can(setup, recorder, open);
+  return open;
+}
+
+}  // namespace egofocus::daemon
