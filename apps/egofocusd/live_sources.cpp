@@ -91,8 +91,19 @@ void require_one_imu(const Setup& setup) {
 OpenSources open_live_sources(const Setup& setup, Recorder& recorder) {
   require_one_imu(setup);
   OpenSources open;
-  open_usb(setup, open);
-  open_can(setup, recorder, open);
+  std::string problems;  // of all devices: who mends one wants to know of the other
+  ExitCode code = ExitCode::kOk;
+  const auto attempt = [&](const auto& open_one) {
+    try {
+      open_one();
+    } catch (const Error& error) {
+      problems += (problems.empty() ? "" : "\n") + std::string(error.what());
+      if (code == ExitCode::kOk) code = static_cast<ExitCode>(error.exit_code());
+    }
+  };
+  attempt([&] { open_usb(setup, open); });
+  attempt([&] { open_can(setup, recorder, open); });
+  if (!problems.empty()) throw Error(code, problems);
   return open;
 }
 
