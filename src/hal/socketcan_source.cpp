@@ -242,6 +242,7 @@ void SocketCanSource::raise_link() noexcept {
     health_.last_errno = -code;
   } else {
     ++health_.restarts;
+    errors_.restart();
   }
 }
 
