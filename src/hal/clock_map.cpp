@@ -7,6 +7,7 @@ constexpr std::int64_t kNano = 1000;  // ns per us
 constexpr std::int64_t kFadeUs =
     250000;  // differences fade out over this time, or longer if kSlew asks for it
 constexpr std::uint32_t kJumpPairs = 4;
+constexpr std::int64_t kMaxAheadUs = std::int64_t{1} << 51;
 
 bool is_out_of_range(std::int64_t t_us) noexcept {
   return t_us > ClockMap::kMaxTimeUs || t_us < -ClockMap::kMaxTimeUs;
@@ -16,7 +17,7 @@ std::int64_t limited(std::int64_t value, std::int64_t low, std::int64_t high) no
   return value < low ? low : value > high ? high : value;
 }
 
-// y of a line through `at`; x is at most 2^51 us away, so the product stays below 2^50 ns.
+// y of a line through `at`; x is at most 2^53 us away, so the product stays below 2^51 ns.
 std::int64_t along(std::int64_t x_us, std::int64_t at_x_us, std::int64_t at_y_ns, double rate) noexcept {
   return at_y_ns + static_cast<std::int64_t>(static_cast<double>(x_us - at_x_us) * (rate * kNano));
 }
@@ -85,7 +86,9 @@ void ClockMap::observe(std::int64_t device_us, std::int64_t host_us) noexcept {
     ++counters_.used;
     return;
   }
-  const Point point{device_us - base_device_us_, (host_us - device_us - base_ahead_us_) * kNano};
+  // Far beyond any jump its size does not matter, but nanoseconds must fit.
+  const std::int64_t ahead_us = limited(host_us - device_us - base_ahead_us_, -kMaxAheadUs, kMaxAheadUs);
+  const Point point{device_us - base_device_us_, ahead_us * kNano};
   const std::int64_t off_ns = point.y_ns - line_ns(point.x_us);
   if (off_ns > kJumpUs * kNano || off_ns < -kJumpUs * kNano) {
     ++counters_.outliers;

@@ -39,7 +39,8 @@ struct ClockMapCounters {
 /// time.
 class ClockMap {
  public:
-  static constexpr std::int64_t kMaxTimeUs = std::int64_t{1} << 50;  ///< 35 years
+  static constexpr std::int64_t kMaxTimeUs = std::int64_t{1}
+                                             << 52;  ///< 142 years: some clocks count from 1970
   static constexpr std::int64_t kBinUs = 250000;
   static constexpr std::size_t kBins = 128;   ///< 32 s of continuous pairs
   static constexpr double kMaxRate = 200e-6;  ///< crystals are within 100e-6, host slewing is beside it
@@ -62,6 +63,8 @@ class ClockMap {
   /// Forgets everything but the counters: another device, or one whose clock was reset.
   void reset() noexcept;
 
+  /// A pair was used since the beginning or reset().
+  [[nodiscard]] bool begun() const noexcept { return begun_; }
   /// How much faster the host's clock runs than the device's, as measured so far; 0 before kSettledUs.
   [[nodiscard]] double drift_ppm() const noexcept { return rate_ * 1e6; }
   /// Pairs span kSettledUs or more since the beginning or the last jump.

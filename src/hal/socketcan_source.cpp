@@ -242,6 +242,7 @@ void SocketCanSource::raise_link() noexcept {
     health_.last_errno = -code;
   } else {
     ++health_.restarts;
+    errors_.restart();
   }
 }
 
@@ -288,7 +289,7 @@ void SocketCanSource::take_time(const CanMessage& message, CanFrame& frame) noex
   ++health_.hardware_stamps;
   const std::int64_t device_us = message.hardware_ns / 1000;
   clock_.observe(device_us, frame.t_us);
-  frame.t_us = lower_of(clock_.to_host_us(device_us), read_ns_ / 1000);
+  if (clock_.begun()) frame.t_us = lower_of(clock_.to_host_us(device_us), read_ns_ / 1000);
 }
 
 // The offset between two clocks that run on: the tightest of a few brackets.

@@ -36,11 +36,13 @@ class RotationFromEvents {
     float dt_s;  // since t_us
   };
   [[nodiscard]] double focus(const Rate& rate);
+  double climb(Rate& rate);
 
   Intrinsics camera_;
   std::vector<Ray> rays_;
   std::vector<Seen> seen_;
   std::vector<std::uint8_t> counts_;
+  float cell_px_ = 1;
   Rate last_{0, 0, 0};
 };
 

@@ -134,7 +134,7 @@ TEST_CASE("clock map: exact clocks and no delay give the exact time") {
 TEST_CASE("clock map: a day, and clocks that have run for years") {
   Clocks clocks;
   clocks.drift_ppm = -83;
-  clocks.device_begin_us = 1e15;  // 31 years
+  clocks.device_begin_us = 1.8e15;  // since 1970
   clocks.host_begin_us = -1e15;
   std::mt19937_64 random(3);
   Run run;

@@ -158,7 +158,8 @@ TEST_CASE("socketcan: the controller's stamps are mapped; without them the kerne
       const std::int64_t truth_us = bench.kernel.monotonic_ns / 1000;
       const std::int64_t delay_us = (i * 7919) % 3000;  // a USB adapter's
       bench.kernel.pass(delay_us);
-      bench.kernel.frame(7, {1}).hardware_ns = 777'000'000'000 + i * 5'000'000LL;
+      bench.kernel.frame(7, {1}).hardware_ns =
+          1'790'000'000'000'000'000 + i * 5'000'000LL;  // as gs_usb: since 1970
       bench.poll();
       const auto imu = bench.imu();
       REQUIRE(imu.size() == 1);
@@ -169,6 +170,7 @@ TEST_CASE("socketcan: the controller's stamps are mapped; without them the kerne
     CHECK((worst_us < 300) == hardware);
     CHECK(bench.health().hardware_stamps == (hardware ? 2000u : 0u));
     CHECK(bench.health().clock.used == (hardware ? 2000u : 0u));
+    CHECK(bench.health().clock.invalid == 0);
   }
 }
 

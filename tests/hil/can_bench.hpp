@@ -61,9 +61,24 @@ class Sender {
   int fd_;
 };
 
+inline void add_role(CanMotionConfig& config, const char* message, const char* signal, CanRole role) {
+  CanSignalRole& entry = config.signals[config.signal_count++];
+  std::strcpy(entry.message, message);
+  std::strcpy(entry.signal, signal);
+  entry.role = role;
+}
+
+inline CanMotionConfig yaw_alone() {
+  CanMotionConfig config;
+  add_role(config, "Yaw", "Rate", CanRole::kGyroZ);
+  return config;
+}
+
 class Bench {
  public:
-  explicit Bench(const SocketCanConfig& config) : source(config, configured(motion_)) {}
+  explicit Bench(const SocketCanConfig& config, std::string_view dbc_text = kYawDbc,
+                 const CanMotionConfig& motion = yaw_alone())
+      : source(config, configured(motion_, dbc_text, motion)) {}
 
   /// Polls for this long, or until the link is as wanted.
   void poll_for(std::int64_t time_us) {
@@ -98,15 +113,11 @@ class Bench {
   static void REQUIRE_QUIET(bool truth) {
     if (!truth) std::exit(1);
   }
-  static CanMotionDecoder& configured(CanMotionDecoder& decoder) {
+  static CanMotionDecoder& configured(CanMotionDecoder& decoder, std::string_view dbc_text,
+                                      const CanMotionConfig& motion) {
     static Dbc dbc;
-    REQUIRE(read_dbc(kYawDbc, {}, dbc).ok());
-    CanMotionConfig config;
-    std::strcpy(config.signals[0].message, "Yaw");
-    std::strcpy(config.signals[0].signal, "Rate");
-    config.signals[0].role = CanRole::kGyroZ;
-    config.signal_count = 1;
-    REQUIRE(decoder.configure(config, dbc).ok());
+    REQUIRE(read_dbc(dbc_text, {}, dbc).ok());
+    REQUIRE(decoder.configure(motion, dbc).ok());
     return decoder;
   }
 

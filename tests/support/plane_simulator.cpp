@@ -1,5 +1,7 @@
 #include "support/plane_simulator.hpp"
 
+#include <utility>
+
 namespace egofocus::sim {
 namespace {
 
@@ -39,10 +41,12 @@ std::vector<Phase> make_phases() {
 
 }  // namespace
 
-PlaneSimulator::PlaneSimulator(std::uint64_t seed)
+PlaneSimulator::PlaneSimulator(std::uint64_t seed) : PlaneSimulator(seed, make_phases()) {}
+
+PlaneSimulator::PlaneSimulator(std::uint64_t seed, std::vector<Phase> phases)
     : seed_(seed),
       camera_(make_camera()),
-      trajectory_(start_pose(), make_phases()),
+      trajectory_(start_pose(), std::move(phases)),
       scene_(PlaneScene::standard(seed)) {}
 
 std::vector<PhaseSpan> PlaneSimulator::phases() {
