@@ -37,7 +37,7 @@ void UsbCameraSamples::take(std::span<const std::byte> bytes, std::int64_t host_
       if (wants_imu_) counters.imu_unmapped += batch.imu;
     }
   }
-  is_inivation_ ? inivation_.end_transfer() : evt_.end_transfer();
+  is_inivation_ ? inivation_.end_transfer() : evt_.drop_partial();  // no word crosses transfers
   if (!(is_inivation_ ? inivation_.is_time_known() : evt_.is_time_known())) return;
   // The newest time in a transfer is the one that the host has had no longer than its way here took.
   const std::int64_t device_us = is_inivation_ ? inivation_.time_us() : evt_.time_us();
