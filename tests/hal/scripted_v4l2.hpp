@@ -82,7 +82,7 @@ class ScriptedV4l2 {
   int mapped = 0;
   bool is_streaming = false;
   bool held_elsewhere = false;
-  std::deque<std::uint32_t> queued;
+  std::vector<std::uint32_t> queued;
   std::vector<std::vector<std::byte>> memory;
   std::uint32_t sequence = 0;
 
@@ -124,9 +124,9 @@ class ScriptedV4l2 {
     io.ioctl = [](void* self, int fd, unsigned long request, void* argument) noexcept {
       return of(self).do_ioctl(fd, request, argument);
     };
-    io.map = [](void* self, int, std::size_t, std::int64_t offset, const std::byte*& memory) noexcept {
+    io.map = [](void* self, int, std::size_t, std::int64_t offset, const std::byte*& at) noexcept {
       ScriptedV4l2& s = of(self);
-      memory = s.memory[static_cast<std::size_t>(offset)].data();
+      at = s.memory[static_cast<std::size_t>(offset)].data();
       ++s.mapped;
       return 0;
     };
@@ -269,7 +269,7 @@ class ScriptedV4l2 {
     }
     const Frame& frame = frames.front();
     const std::uint32_t index = queued.front();
-    queued.pop_front();
+    queued.erase(queued.begin());
     std::memcpy(memory[index].data(), frame.bytes.data(), std::min(frame.bytes.size(), memory[index].size()));
     const std::uint32_t used = frame.used < 0 ? static_cast<std::uint32_t>(frame.bytes.size())
                                               : static_cast<std::uint32_t>(frame.used);

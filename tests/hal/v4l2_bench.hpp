@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/inlets.hpp"
-#include "hal/evt_words.hpp"
+#include "evt_words.hpp"
 #include "hal/scripted_v4l2.hpp"
 #include "hal/v4l2_source.hpp"
 
@@ -73,9 +73,11 @@ struct V4l2Bench {
     REQUIRE(events().empty());
   }
   std::vector<Event> events() {
-    const auto all = rings.events.peek(65536);
-    std::vector<Event> result(all.begin(), all.end());
-    rings.events.release(all.size());
+    std::vector<Event> result;
+    for (auto ready = rings.events.peek(65536); !ready.empty(); ready = rings.events.peek(65536)) {
+      result.insert(result.end(), ready.begin(), ready.end());
+      rings.events.release(ready.size());
+    }
     return result;
   }
   std::vector<int> columns() {
