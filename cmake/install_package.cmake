@@ -36,7 +36,8 @@ endif()
 configure_file(${PROJECT_SOURCE_DIR}/cmake/egofocus.pc.in ${PROJECT_BINARY_DIR}/egofocus.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/egofocus.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-# The command line goes along when it was built.
+# The command line goes along when it was built, and what lets it open cameras.
 if(TARGET egofocus_app)
+  install(FILES ${PROJECT_SOURCE_DIR}/apps/egofocus/70-egofocus.rules DESTINATION lib/udev/rules.d)
   install(TARGETS egofocus_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

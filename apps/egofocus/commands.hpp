@@ -6,6 +6,7 @@
 namespace egofocus::app {
 
 void add_convert(CLI::App& program);
+void add_devices(CLI::App& program);
 void add_eval(CLI::App& program);
 void add_info(CLI::App& program);
 void add_overlay(CLI::App& program);

@@ -16,9 +16,10 @@ constexpr const char* kExamples = R"(Examples:
   egofocus info events.raw --json                      the same of one file, for programs
   egofocus overlay town1 --out out/overlay             do its frames, depth and events lie on each other?
   egofocus convert slider_depth out/slider             a recording from ECD, MVSEC, DSEC or AEDAT4 files
+  egofocus devices                                     event cameras on USB: which can be used, and why others cannot
 
 Exit codes: 0 ok, 1 internal error, 2 wrong command line, 3 file missing or unreadable, 4 bad or truncated file,
-5 bad configuration, 6 no motion or a gap in it, 7 no events.)";
+5 bad configuration, 6 no motion or a gap in it, 7 no events, 10 no device, 11 no device that can be used.)";
 
 }  // namespace
 
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer(kExamples);
   egofocus::app::add_convert(program);
+  egofocus::app::add_devices(program);
   egofocus::app::add_eval(program);
   egofocus::app::add_info(program);
   egofocus::app::add_overlay(program);

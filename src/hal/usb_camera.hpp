@@ -30,7 +30,7 @@ struct UsbCameraSettings {
   char serial[24] = {};             ///< empty: the only camera there is
   std::int32_t transfers = 0;       ///< in flight, 2..64; 0: as the camera's family has it
   std::int32_t transfer_bytes = 0;  ///< of each, 1024..1048576, a multiple of 1024; 0: likewise
-  bool imu = false;                 ///< iNivation: the camera's IMU is a motion source
+  bool imu = false;                 ///< iniVation: the camera's IMU is a motion source
   AxisMap imu_axes;                 ///< from the camera's IMU to the body
   bool background_filter = false;   ///< DAVIS: the camera drops isolated events by itself, uncounted by us
   UsbSensitivity sensitivity = UsbSensitivity::kDefault;  ///< DVXplorer

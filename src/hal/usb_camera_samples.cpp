@@ -15,8 +15,6 @@ void UsbCameraSamples::restart(const UsbCameraDriver& driver, const UsbCameraInf
 void UsbCameraSamples::forget_clock() noexcept {
   clock_.reset();
   is_mapped_ = false;
-  event_stamps_ = {};
-  imu_stamps_ = {};
 }
 
 void UsbCameraSamples::take(std::span<const std::byte> bytes, std::int64_t host_us, bool is_live,
@@ -66,23 +64,16 @@ std::uint64_t UsbCameraSamples::time_jumps() const noexcept {
   return is_inivation_ ? inivation_.counters().time_resets : evt_.counters()[EvtViolation::kTimeReset];
 }
 
-std::int64_t UsbCameraSamples::mapped(std::int64_t device_us, Stamps& stamps) const noexcept {
-  std::int64_t host_us = clock_.to_host_us(device_us);
-  if (device_us >= stamps.device_us && host_us < stamps.host_us) host_us = stamps.host_us;
-  stamps = {.device_us = device_us, .host_us = host_us};
-  return host_us;
-}
-
 void UsbCameraSamples::push(const Batch& batch, Inlets& inlets, UsbCameraCounters& counters) noexcept {
   const std::span<Event> events = std::span(events_).first(batch.events);
-  for (Event& event : events) event.t_us = mapped(event.t_us, event_stamps_);
+  for (Event& event : events) event.t_us = clock_.to_host_us(event.t_us);
   inlets.push(std::span<const Event>(events));
   counters.events_pushed += events.size();
   if (!wants_imu_) return;
   const std::span<ImuSample> samples = std::span(imu_).first(batch.imu);
   for (ImuSample& sample : samples) {
     const ImuSample sensor = sample;
-    sample.t_us = mapped(sensor.t_us, imu_stamps_);
+    sample.t_us = clock_.to_host_us(sensor.t_us);
     map_axes(imu_axes_, sensor.gyro_rad_s, sample.gyro_rad_s);
     map_axes(imu_axes_, sensor.accel_m_s2, sample.accel_m_s2);
   }

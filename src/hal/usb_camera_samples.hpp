@@ -37,12 +37,6 @@ class UsbCameraSamples {
   static constexpr std::size_t kStagedEvents = 1024;
   static constexpr std::size_t kStagedImu = 64;
 
-  // Samples in device order keep their order when the map is corrected between them.
-  struct Stamps {
-    std::int64_t device_us = INT64_MIN;
-    std::int64_t host_us = INT64_MIN;
-  };
-
   struct Batch {
     std::size_t consumed = 0;
     std::size_t events = 0;
@@ -52,7 +46,6 @@ class UsbCameraSamples {
 
   Batch decode(std::span<const std::byte> bytes) noexcept;
   [[nodiscard]] std::uint64_t time_jumps() const noexcept;
-  std::int64_t mapped(std::int64_t device_us, Stamps& stamps) const noexcept;
   void push(const Batch& batch, Inlets& inlets, UsbCameraCounters& counters) noexcept;
   void forget_clock() noexcept;
 
@@ -63,8 +56,6 @@ class UsbCameraSamples {
   Evt3Decoder evt_{SensorSize{}};
   ClockMap clock_;
   bool is_mapped_ = false;
-  Stamps event_stamps_;
-  Stamps imu_stamps_;
   std::int64_t watermark_us_ = INT64_MIN;
   std::array<Event, kStagedEvents> events_;
   std::array<ImuSample, kStagedImu> imu_;

@@ -166,6 +166,17 @@ void describe(Section& s, CanSetup& v) {
   s.tables("signals", v.motion.signals, v.motion.signal_count);
 }
 
+inline constexpr Names<UsbSensitivity, 5> kSensitivityNames{{{"very_low", UsbSensitivity::kVeryLow},
+                                                            {"low", UsbSensitivity::kLow},
+                                                            {"default", UsbSensitivity::kDefault},
+                                                            {"high", UsbSensitivity::kHigh},
+                                                            {"very_high", UsbSensitivity::kVeryHigh}}};
+
+template <typename Section>
+void describe(Section& s, UsbSetup& v) {
+  describe_usb(s, v, kAxisNames, kSensitivityNames);
+}
+
 /// `File` offers section(name, value).
 template <typename File>
 void describe_file(File& file, CameraFile& v) {
@@ -182,6 +193,7 @@ void describe_file(File& file, CameraFile& v) {
   DepthSection depth{v.depth_scale_m};
   file.section("depth", depth);
   file.section("can", v.can);
+  file.section("usb", v.usb);
 }
 
 }  // namespace egofocus::recording

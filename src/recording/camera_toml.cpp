@@ -114,12 +114,13 @@ class SectionReader {
   void tables(const char* key, T (&values)[N], std::size_t& count) {
     const toml::node* node = find(key);
     if (!node) return;
+    const std::string title = "[[" + title_.substr(1, title_.size() - 2) + "." + key + "]]";
     const toml::array* array = node->as_array();
     if (!array || !array->is_homogeneous<toml::table>())
-      wrong(*node, key, "must be a list of tables [[can.signals]]");
+      wrong(*node, key, "must be a list of tables " + title);
     if (array->size() > N) wrong(*node, key, "must have at most " + std::to_string(N) + " entries");
     for (const toml::node& entry : *array) {
-      SectionReader reader(*entry.as_table(), "[[can.signals]]", file_);
+      SectionReader reader(*entry.as_table(), title, file_);
       describe(reader, values[count++]);
       reader.finish();
     }

@@ -8,6 +8,7 @@
 
 #include "egofocus/config.hpp"
 #include "hal/can_motion_config.hpp"
+#include "recording/usb_schema.hpp"
 
 namespace egofocus::recording {
 
@@ -20,6 +21,7 @@ struct CanSetup {
 struct CameraFile {
   Config config;
   CanSetup can;
+  UsbSetup usb;
   double depth_scale_m = 0.001;  ///< metres per unit of depth/*.png
 };
 

@@ -26,7 +26,7 @@ std::string in_quotes(std::string_view value) {
 
 class SectionWriter {
  public:
-  explicit SectionWriter(std::string& out) : out_(out) {}
+  SectionWriter(std::string& out, const char* section) : out_(out), section_(section) {}
 
   template <typename T>
   void required(const char* key, const T& value) {
@@ -82,9 +82,9 @@ class SectionWriter {
   }
 
   template <typename T, std::size_t N>
-  void tables(const char*, T (&values)[N], std::size_t count) {
+  void tables(const char* key, T (&values)[N], std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      out_ += "\n[[can.signals]]\n";
+      out_ += "\n[[" + std::string(section_) + "." + key + "]]\n";
       describe(*this, values[i]);
     }
   }
@@ -101,6 +101,7 @@ class SectionWriter {
   void line(const char* key, const std::string& value) { out_ += std::string(key) + " = " + value + "\n"; }
 
   std::string& out_;
+  const char* section_;
 };
 
 class FileWriter {
@@ -109,7 +110,7 @@ class FileWriter {
   void section(const char* name, T& value) {
     if (!present(value)) return;
     text += (text.empty() ? "[" : "\n[") + std::string(name) + "]\n";
-    SectionWriter writer(text);
+    SectionWriter writer(text, name);
     describe(writer, value);
   }
 
@@ -122,6 +123,7 @@ class FileWriter {
   }
   static bool present(const Intrinsics& grid) { return grid.width_px != 0; }
   static bool present(const CanSetup& can) { return can.motion.signal_count > 0; }
+  static bool present(const UsbSetup& usb) { return usb.is_given; }
 };
 
 }  // namespace

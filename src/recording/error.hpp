@@ -17,6 +17,8 @@ enum class ExitCode : int {
   kConfiguration = 5,  ///< camera.toml, intrinsics that do not fit, a DBC without the needed signals
   kMotion = 6,         ///< a recording without motion, or with a pose gap
   kNoEvents = 7,       ///< a recording without events in the asked span
+  kNoDevice = 10,      ///< no such device is there, or this build cannot look for it
+  kDevice = 11,        ///< there is one, and it cannot be used: permission, claimed, firmware
 };
 
 /// The message is one line for people and names the file, the line where there is one, and the remedy.

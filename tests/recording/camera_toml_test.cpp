@@ -159,6 +159,39 @@ TEST_CASE("each mistake in [can] is named, too") {
   CHECK_THAT(complaint(many), Contains("at most 32 entries"));
 }
 
+TEST_CASE("[usb] sets a live camera, and each of its mistakes is named") {
+  const std::string usb =
+      kCamera + "[usb]\nserial = \"00000346\"\nimu = true\nimu_axes = [\"z\", \"-x\", \"y\"]\nreopen = false\n";
+  const std::string bias = "[[usb.biases]]\nname = \"OnBn\"\n";
+  const CameraFile file = parse_camera_toml(
+      usb + "transfers = 8\nsensitivity = \"high\"\n" + bias + "coarse = 5\nfine = 200\n", "camera.toml");
+  CHECK(file.usb.is_given);
+  const UsbCameraSettings& camera = file.usb.camera;
+  CHECK(std::string(camera.serial) == "00000346");
+  CHECK(camera.imu);
+  CHECK(camera.imu_axes.from[1] == -1);
+  CHECK_FALSE(camera.reopen);
+  CHECK(camera.transfers == 8);
+  CHECK(camera.sensitivity == UsbSensitivity::kHigh);
+  REQUIRE(camera.bias_count == 1);
+  CHECK(std::string(camera.biases[0].name) == "OnBn");
+  CHECK(camera.biases[0].coarse == 5);
+  CHECK(camera.biases[0].fine == 200);
+  CHECK(camera.biases[0].offset == 0);
+  const CameraFile again = parse_camera_toml(camera_toml_text(file), "again.toml");
+  CHECK(camera_toml_text(again) == camera_toml_text(file));
+  CHECK(again.usb.camera.biases[0].fine == 200);
+  CHECK_FALSE(parse_camera_toml(kCamera, "camera.toml").usb.is_given);
+
+  CHECK_THAT(complaint(usb + "gain = 1\n"), Contains("[usb] has no key `gain`"));
+  CHECK_THAT(complaint(usb + bias + "corse = 1\n"), Contains("[[usb.biases]] has no key `corse`"));
+  CHECK_THAT(complaint(usb + "[[usb.biases]]\ncoarse = 1\n"), Contains("[[usb.biases]] lacks the key `name`"));
+  CHECK_THAT(complaint(usb + "sensitivity = \"highest\"\n"), Contains("`sensitivity` must be one of \"very_low\""));
+  CHECK_THAT(complaint(kCamera + "[usb]\nserial = \"" + std::string(24, '1') + "\"\n"),
+             Contains("`serial`") && Contains("at most 23 characters"));
+  CHECK_THAT(complaint(usb + "biases = 3\n"), Contains("must be a list of tables [[usb.biases]]"));
+}
+
 TEST_CASE("the example of docs/formats.md is a good file") {
   const std::string page = read_text_file(egofocus::test::source_dir() + "/docs/formats.md");
   const std::size_t begin = page.find("```toml\n") + 8;
@@ -175,6 +208,8 @@ TEST_CASE("docs/formats.md names each key that can be set") {
   file.config.grid = file.config.camera.intrinsics;
   file.can.motion.signal_count = 1;
   file.can.motion.signals[0].raw_max = 1;
+  file.usb.is_given = true;
+  file.usb.camera.bias_count = 1;
   const std::string text = camera_toml_text(file);
   for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
     const std::string line = text.substr(at, text.find('\n', at) - at);

@@ -1,0 +1,20 @@
+// Event cameras on USB, as facts.
+#pragma once
+
+#include <span>
+
+#include "hal/usb_survey.hpp"
+#include "recording/error.hpp"
+#include "recording/json.hpp"
+
+namespace egofocus::app {
+
+/// "cameras": one entry each with what it is, where it is, whether it can be used and, if not, why and what
+/// to do.
+recording::Json describe_cameras(std::span<const UsbSighting> cameras);
+
+/// kOk when at least one camera can be used, kNoDevice when there is none, kDevice when none of them can be
+/// used. Thread: any.
+recording::ExitCode verdict(std::span<const UsbSighting> cameras);
+
+}  // namespace egofocus::app
