@@ -140,8 +140,7 @@ Status read_v4l2_format(V4l2File& node, V4l2CameraInfo& info) noexcept {
   EvtFormat ignored{};
   if (!evt_format_of(info.fourcc, ignored) && !is_disguise(info.fourcc)) {
     return {StatusCode::kUnsupportedDevice,
-            "a pixel format that cannot carry events: set it up as docs/v4l2.md says, its fourcc",
-            info.fourcc};
+            "a pixel format that cannot carry events; docs/v4l2.md says how to set it up", info.fourcc};
   }
   return {};
 }

@@ -41,6 +41,8 @@ void look_at(const V4l2Route& route, const V4l2Io& io, V4l2Listed& listed) noexc
   listed.info.route = route;
   if (route.video_path[0] == '\0') {
     listed.state = V4l2State::kNotLinked;
+    listed.status = {StatusCode::kNoDevice,
+                     "a video node behind the sensor: set up the media links, docs/v4l2.md"};
     return;
   }
   V4l2File node(io);
@@ -102,24 +104,6 @@ std::size_t list_v4l2_cameras(std::span<V4l2Listed> out, const V4l2Io& io) noexc
     ++found;
   }
   return found;
-}
-
-const char* to_string(V4l2State state) noexcept {
-  switch (state) {
-    case V4l2State::kFine:
-      return "fine";
-    case V4l2State::kNoPermission:
-      return "no permission: the user must belong to the group that owns the device (Debian: video)";
-    case V4l2State::kBusy:
-      return "busy: another process streams from it";
-    case V4l2State::kNotLinked:
-      return "not linked: set up the media links as docs/v4l2.md says";
-    case V4l2State::kNoFormat:
-      return "no event format: set up the format as docs/v4l2.md says, or name it in the configuration";
-    case V4l2State::kUnusable:
-      break;
-  }
-  return "unusable";
 }
 
 }  // namespace egofocus

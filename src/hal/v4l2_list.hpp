@@ -30,7 +30,4 @@ struct V4l2Listed {
 /// Thread: any. RT: no.
 std::size_t list_v4l2_cameras(std::span<V4l2Listed> out, const V4l2Io& io = system_v4l2_io()) noexcept;
 
-/// "fine", "no permission: ...": what is the matter and the next step, one line. Thread: any. RT: yes.
-const char* to_string(V4l2State state) noexcept;
-
 }  // namespace egofocus
