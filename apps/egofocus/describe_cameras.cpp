@@ -28,7 +28,8 @@ const char* state_of(const UsbSighting& camera) {
 }
 
 const char* speed_of(UsbSpeed speed) {
-  constexpr const char* kNames[] = {"unknown", "1.5 Mbit/s", "12 Mbit/s", "480 Mbit/s (USB 2)", "5 Gbit/s or more"};
+  constexpr const char* kNames[] = {"unknown", "1.5 Mbit/s", "12 Mbit/s", "480 Mbit/s (USB 2)",
+                                    "5 Gbit/s or more"};
   return kNames[static_cast<std::size_t>(speed)];
 }
 
@@ -64,25 +65,71 @@ Json describe(const UsbSighting& camera) {
     facts.add("width_px", info.size.width_px).add("height_px", info.size.height_px);
   if (!camera.status.ok()) facts.add("problem", line_of(camera.status));
   if (camera.has_slow_link)
-    facts.add("warning",
-              "USB 2 link: the camera or the system will drop events in busy scenes. Use a USB 3 port and cable.");
+    facts.add(
+        "warning",
+        "USB 2 link: the camera or the system will drop events in busy scenes. Use a USB 3 port and cable.");
   return facts;
+}
+
+const char* state_of(const V4l2Listed& sensor) {
+  switch (sensor.state) {
+    case V4l2State::kFine:
+      return "ready";
+    case V4l2State::kNoPermission:
+      return "no permission";
+    case V4l2State::kBusy:
+      return "used by another process";
+    case V4l2State::kNotLinked:
+      return "media links not set up";
+    case V4l2State::kNoFormat:
+      return "no event format";
+    case V4l2State::kUnusable:
+      break;
+  }
+  return "does not answer";
+}
+
+Json describe(const V4l2Listed& sensor) {
+  const V4l2CameraInfo& info = sensor.info;
+  Json facts;
+  facts.add("sensor", info.route.sensor[0] != '\0' ? info.route.sensor : "unknown")
+      .add("state", state_of(sensor));
+  if (info.route.media_path[0] != '\0') facts.add("media", info.route.media_path);
+  if (info.route.video_path[0] != '\0') facts.add("node", info.route.video_path);
+  if (info.driver[0] != '\0') facts.add("driver", info.driver);
+  if (sensor.state == V4l2State::kFine || sensor.state == V4l2State::kBusy) {
+    facts.add("encoding", to_string(info.format))
+        .add("width_px", info.size.width_px)
+        .add("height_px", info.size.height_px);
+  }
+  if (!sensor.status.ok()) facts.add("problem", line_of(sensor.status));
+  return facts;
+}
+
+template <typename Found>
+std::vector<Json> each(std::span<const Found> all) {
+  std::vector<Json> described;
+  for (const Found& one : all) described.push_back(describe(one));
+  return described;
 }
 
 }  // namespace
 
-Json describe_cameras(std::span<const UsbSighting> cameras) {
-  std::vector<Json> all;
-  for (const UsbSighting& camera : cameras) all.push_back(describe(camera));
+Json describe_cameras(std::span<const UsbSighting> cameras, std::span<const V4l2Listed> sensors) {
   Json facts;
-  return facts.add("cameras", all);
+  facts.add("cameras", each(cameras));
+  if (!sensors.empty()) facts.add("sensors", each(sensors));
+  return facts;
 }
 
-ExitCode verdict(std::span<const UsbSighting> cameras) {
+ExitCode verdict(std::span<const UsbSighting> cameras, std::span<const V4l2Listed> sensors) {
   for (const UsbSighting& camera : cameras) {
     if (camera.status.ok()) return ExitCode::kOk;
   }
-  return cameras.empty() ? ExitCode::kNoDevice : ExitCode::kDevice;
+  for (const V4l2Listed& sensor : sensors) {
+    if (sensor.state == V4l2State::kFine) return ExitCode::kOk;
+  }
+  return cameras.empty() && sensors.empty() ? ExitCode::kNoDevice : ExitCode::kDevice;
 }
 
 }  // namespace egofocus::app

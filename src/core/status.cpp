@@ -180,7 +180,8 @@ std::size_t Status::describe(std::span<char> out) const noexcept {
           .text(" (errno ")
           .number(value_)
           .text(
-              "). Install 70-egofocus.rules in /etc/udev/rules.d, join the group plugdev, plug it in again.");
+              "). USB: install 70-egofocus.rules in /etc/udev/rules.d, join the group plugdev, plug it in "
+              "again. V4L2: join the group video, log in again.");
       break;
     case StatusCode::kDeviceBusy:
       line.text("another process holds the device: ")

@@ -1,6 +1,7 @@
 // DAVIS346 and DAVIS240. Sources: libcaer, src/davis.c, src/davis_common.h and
 // include/libcaer/devices/davis.h.
 #include "hal/davis_biases.hpp"
+#include "hal/device_status.hpp"
 #include "hal/inivation_logic.hpp"
 #include "hal/usb_camera.hpp"
 
@@ -59,7 +60,7 @@ Status identify(UsbConnection& usb, UsbCameraInfo& info) noexcept {
   info.has_pixel_filter = filter != 0;
   if (error == 0) error = inivation_read(usb, inivation_address(kDvs, kDvsHasBackgroundFilter), filter);
   info.has_background_filter = filter != 0;
-  return usb_status(error, info.name);
+  return device_status(error, info.name);
 }
 
 void add_chip(std::uint32_t chip, UsbSteps& steps) noexcept {

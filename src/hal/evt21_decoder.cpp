@@ -33,7 +33,7 @@ std::size_t Evt21Decoder::take(std::uint64_t word, std::span<Event> room) noexce
   const std::uint32_t type = upper >> 28;
   const bool is_event = type == kNegative || type == kPositive;
   if (type == kTimeHigh) {
-    time_high_.take(upper & 0xfffffff, counters_);
+    if (time_high_.take(upper & 0xfffffff, counters_)) time_low_ = 0;
     return 0;
   }
   if (!time_high_.known()) {
@@ -41,7 +41,8 @@ std::size_t Evt21Decoder::take(std::uint64_t word, std::span<Event> room) noexce
       counters_.count(EvtViolation::kBeforeTimeHigh, static_cast<std::uint64_t>(std::popcount(lower)));
     return 0;
   }
-  const std::int64_t t_us = time_high_.value() * 64 + ((upper >> 22) & 0x3f);
+  if (is_event || type == kTrigger) time_low_ = (upper >> 22) & 0x3f;
+  const std::int64_t t_us = time_us();
   if (is_event) {
     const Event first{.t_us = t_us,
                       .x = static_cast<std::uint16_t>((upper >> 11) & 0x7ff),

@@ -24,11 +24,27 @@ enum class Evt21Order : std::uint8_t {
 /// facts, B2. Thread: one. RT: yes, O(bytes).
 class Evt21Decoder {
  public:
-  Evt21Decoder(SensorSize size, Evt21Order order) noexcept : row_(size), order_(order) {}
+  /// `so_far`: counts to go on from, of a decoder before this one.
+  Evt21Decoder(SensorSize size, Evt21Order order, const EvtCounters& so_far = {}) noexcept
+      : row_(size), counters_(so_far), order_(order) {}
 
   /// Promise and protocol: see Decoded. Thread: one. RT: yes.
   Decoded feed(std::span<const std::byte> bytes, std::span<Event> out) noexcept;
 
+  /// Data before the next bytes were lost: half a word is dropped and counted, and nothing is given out
+  /// before the next TIME_HIGH.
+  void resync() noexcept {
+    drop_partial();
+    time_high_.lose();
+  }
+  /// Half a word at the end of what was fed is dropped and counted.
+  void drop_partial() noexcept {
+    if (words_.drop_partial() > 0) counters_.count(EvtViolation::kUnknownWord);
+  }
+
+  /// Newest device time; moves on without events, too. Precondition: is_time_known().
+  [[nodiscard]] std::int64_t time_us() const noexcept { return time_high_.value() * 64 + time_low_; }
+  [[nodiscard]] bool is_time_known() const noexcept { return time_high_.known(); }
   [[nodiscard]] const EvtCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const EvtTrigger& last_trigger() const noexcept { return trigger_; }
 
@@ -37,6 +53,7 @@ class Evt21Decoder {
 
   WordReader<std::uint64_t> words_;
   TimeHighReader time_high_{28};
+  std::int64_t time_low_ = 0;
   EventRow row_;
   EvtCounters counters_;
   EvtTrigger trigger_;

@@ -30,14 +30,15 @@ std::size_t Evt2Decoder::take(std::uint32_t word, std::span<Event> room) noexcep
   const std::uint32_t type = word >> 28;
   const bool is_event = type == kCdOff || type == kCdOn;
   if (type == kTimeHigh) {
-    time_high_.take(word & 0xfffffff, counters_);
+    if (time_high_.take(word & 0xfffffff, counters_)) time_low_ = 0;
     return 0;
   }
   if (!time_high_.known()) {
     if (is_event) counters_.count(EvtViolation::kBeforeTimeHigh, 1);
     return 0;
   }
-  const std::int64_t t_us = time_high_.value() * 64 + ((word >> 22) & 0x3f);
+  if (is_event || type == kTrigger) time_low_ = (word >> 22) & 0x3f;
+  const std::int64_t t_us = time_us();
   if (is_event) {
     const Event event{.t_us = t_us,
                       .x = static_cast<std::uint16_t>((word >> 11) & 0x7ff),

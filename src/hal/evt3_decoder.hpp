@@ -26,8 +26,16 @@ class Evt3Decoder {
   /// Promise and protocol: see Decoded. Thread: one. RT: yes.
   Decoded feed(std::span<const std::byte> bytes, std::span<Event> out) noexcept;
 
-  /// A word never crosses USB transfers: half of one at the end of a transfer is dropped and counted.
-  void end_transfer() noexcept {
+  /// Data before the next bytes were lost: half a word is dropped and counted, and nothing is given out before
+  /// the next TIME_HIGH; a row, and a vector's base, must come anew as well.
+  void resync() noexcept {
+    drop_partial();
+    time_high_.lose();
+    has_y_ = has_base_ = false;
+    others_ = {};
+  }
+  /// Half a word at the end of what was fed is dropped and counted.
+  void drop_partial() noexcept {
     if (words_.drop_partial() > 0) counters_.count(EvtViolation::kUnknownWord);
   }
 

@@ -15,6 +15,8 @@ namespace egofocus {
 /// refusals in a row the sensor is believed, and time moves to the nearest value that fits, which may lie in
 /// the past: that is what a restarted sensor looks like too, and whoever maps device time to host time sees
 /// kTimeReset.
+///
+/// After data were lost, time is unknown until the next word that is not refused; the epoch stays.
 class TimeHighReader {
  public:
   static constexpr std::uint32_t kResetAfter = 16;
@@ -22,13 +24,15 @@ class TimeHighReader {
   explicit constexpr TimeHighReader(int bits) noexcept : range_(std::int64_t{1} << bits) {}
 
   [[nodiscard]] bool known() const noexcept { return known_; }
-  /// The unwrapped counter. Precondition: known().
+  /// The unwrapped counter; while !known() the last one that was.
   [[nodiscard]] std::int64_t value() const noexcept { return value_; }
+  /// Data were lost. Thread: one. RT: yes.
+  void lose() noexcept { known_ = false; }
 
   /// Takes the counter of a TIME_HIGH word, 0 .. 2^bits - 1; true when value() changed. Thread: one. RT: yes.
   bool take(std::uint32_t counter, EvtCounters& counters) noexcept {
-    if (!known_) {
-      known_ = true;
+    if (!begun_) {
+      begun_ = known_ = true;
       value_ = counter;
       return true;
     }
@@ -37,6 +41,7 @@ class TimeHighReader {
     if (step > -half && step < 0) return refuse(EvtViolation::kTimeHighBackward, step, counters);
     if (step >= half) return refuse(EvtViolation::kTimeHighLeap, step - range_, counters);
     refused_ = 0;
+    known_ = true;
     value_ += step < 0 ? step + range_ : step;
     return step != 0;
   }
@@ -48,6 +53,7 @@ class TimeHighReader {
     if (++refused_ < kResetAfter) return false;
     counters.count(EvtViolation::kTimeReset);
     refused_ = 0;
+    known_ = true;
     value_ += nearest;
     return true;
   }
@@ -55,6 +61,7 @@ class TimeHighReader {
   std::int64_t range_;
   std::int64_t value_ = 0;
   std::uint32_t refused_ = 0;
+  bool begun_ = false;
   bool known_ = false;
 };
 

@@ -10,7 +10,7 @@ namespace egofocus {
 /// One enumerator per kind. "Refused" words leave the decoder's state as it was.
 enum class EvtViolation : std::uint8_t {
   kUnknownWord,       ///< a type that the format does not define (some cameras pad with 0x9999); skipped
-  kBeforeTimeHigh,    ///< events before the first TIME_HIGH; dropped
+  kBeforeTimeHigh,    ///< events before the first TIME_HIGH, or the first after a loss; dropped
   kBeforeY,           ///< EVT3: events before any ADDR_Y; dropped
   kBeforeBase,        ///< EVT3: a vector before any VECT_BASE_X; dropped
   kOutOfRange,        ///< events with x or y outside the sensor; dropped

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "hal/device_status.hpp"
 #include "hal/treuzell_port.hpp"
 #include "hal/usb_camera.hpp"
 
@@ -163,7 +164,7 @@ Status identify(UsbConnection& usb, UsbCameraInfo& info) noexcept {
                          0, kOldestRelease};
   std::uint64_t number = 0;
   if (const int error = treuzell_read_number(usb, kReleaseVersion, number); error != 0)
-    return error == ENODEV ? usb_status(error, info.name) : kMute;
+    return error == ENODEV ? device_status(error, info.name) : kMute;
   info.logic = static_cast<std::uint32_t>(number);
   if (number < kOldestRelease)
     return {StatusCode::kUnknownFirmware, "the release version", static_cast<std::int64_t>(number),
@@ -177,18 +178,18 @@ Status identify(UsbConnection& usb, UsbCameraInfo& info) noexcept {
 
   // More than one device would mean a bridge with a stream switch of its own, whose use is not documented.
   if (const int error = treuzell_read_number(usb, kDeviceCount, number); error != 0)
-    return usb_status(error, info.name);
+    return device_status(error, info.name);
   if (number != 1)
     return {StatusCode::kUnsupportedDevice, "a Prophesee kit that is more than a sensor and its USB bridge"};
   const std::array<std::uint32_t, 1> sensor{0};
   std::array<std::byte, 256> texts{};
   std::size_t got = 0;
   int error = treuzell_ask(usb, kDeviceCompatible, sensor, texts, got);
-  if (error != 0) return usb_status(error, info.name);
+  if (error != 0) return device_status(error, info.name);
   std::uint32_t related = 0;
   error = treuzell_read(usb, kChipIdAddress, info.chip);
   if (error == 0) error = treuzell_read(usb, kRelatedSensorAddress, related);
-  if (error != 0) return usb_status(error, info.name);
+  if (error != 0) return device_status(error, info.name);
   if (!names_imx636(std::span(texts).first(got)) || info.chip != kChipId || (related & 3) != 0)
     return {StatusCode::kUnsupportedDevice, "a Prophesee kit with another sensor than the IMX636", info.chip};
   info.name = info.device.product == 0x00F5 ? "EVK4 (IMX636)" : "EVK3 (IMX636)";

@@ -1,5 +1,7 @@
 #include "hal/inivation_logic.hpp"
 
+#include "hal/device_status.hpp"
+
 namespace egofocus {
 namespace {
 
@@ -31,7 +33,7 @@ Status identify_inivation(InivationFormat format, std::uint32_t min_patch, std::
                           UsbConnection& usb, UsbCameraInfo& info) noexcept {
   Reader read(usb);
   info.logic = read(kSystemInfo, kLogicVersion);
-  if (read.error() == ENODEV) return usb_status(ENODEV, info.name);
+  if (read.error() == ENODEV) return device_status(ENODEV, info.name);
   if (read.error() != 0)
     return {StatusCode::kUnknownFirmware, "the logic's version, which the camera does not tell,", 0,
             kInivationLogic};
@@ -55,7 +57,7 @@ Status identify_inivation(InivationFormat format, std::uint32_t min_patch, std::
                  .swaps_xy = (read(kDvs, kDvsOrientation) & 4) != 0,
                  .imu_flips = read(kImu, kImuOrientation)};
   info.size = info.layout.size();
-  if (read.error() != 0) return usb_status(read.error(), info.name);
+  if (read.error() != 0) return device_status(read.error(), info.name);
   if (!fits(columns) || !fits(rows)) {
     return {StatusCode::kUnsupportedDevice, "its sensor size lies outside 8..1280"};
   }

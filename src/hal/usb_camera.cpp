@@ -1,5 +1,7 @@
 #include "hal/usb_camera.hpp"
 
+#include "hal/device_status.hpp"
+
 namespace egofocus {
 namespace {
 
@@ -51,30 +53,14 @@ bool is_slow_link(const UsbDevice& device) noexcept {
   return !is_usb2_device && device.speed != UsbSpeed::kSuper && device.speed != UsbSpeed::kUnknown;
 }
 
-Status usb_status(int error, const char* subject) noexcept {
-  switch (error) {
-    case 0:
-      return {};
-    case EACCES:
-    case EPERM:
-      return {StatusCode::kNoPermission, subject, error};
-    case EBUSY:
-      return {StatusCode::kDeviceBusy, subject, error};
-    case ENODEV:
-      return {StatusCode::kDeviceLost, subject, error};
-    default:
-      return {StatusCode::kIo, subject, error};
-  }
-}
-
 Status open_camera(UsbConnection& usb, const UsbDevice& device, const UsbCameraDriver& driver,
                    UsbCameraInfo& info) noexcept {
   info.device = device;
   info.name = driver.family;
   info.firmware = device.release & 0xff;
-  if (const int error = usb.open(device); error != 0) return usb_status(error, driver.family);
+  if (const int error = usb.open(device); error != 0) return device_status(error, driver.family);
   if (device.serial_index != 0) static_cast<void>(usb.text(device.serial_index, info.serial));
-  if (const int error = usb.claim(); error != 0) return usb_status(error, driver.family);
+  if (const int error = usb.claim(); error != 0) return device_status(error, driver.family);
   return driver.identify(usb, info);
 }
 

@@ -94,9 +94,6 @@ const UsbCameraDriver* driver_of(const UsbDevice& device, const char*& why_not) 
 Status open_camera(UsbConnection& usb, const UsbDevice& device, const UsbCameraDriver& driver,
                    UsbCameraInfo& info) noexcept;
 
-/// What an errno of a USB call means to a user. Thread: any. RT: yes.
-Status usb_status(int error, const char* subject) noexcept;
-
 /// True when a device made for USB 3 hangs on a slower link: enough for a quiet scene only. Thread: any. RT:
 /// yes.
 bool is_slow_link(const UsbDevice& device) noexcept;

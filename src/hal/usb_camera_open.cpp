@@ -2,6 +2,7 @@
 #include <array>
 #include <string_view>
 
+#include "hal/device_status.hpp"
 #include "hal/usb_camera_source.hpp"
 
 namespace egofocus {
@@ -56,12 +57,12 @@ Status UsbCameraSource::open() noexcept {
             static_cast<std::int64_t>(buffers_.size()), static_cast<std::int64_t>(buffer_bytes(settings_))};
   }
   close();
-  Status status = usb_status(usb_.open_bus(io_), "the USB bus");
+  Status status = device_status(usb_.open_bus(io_), "the USB bus");
   if (status.ok()) status = find();
   if (status.ok()) {
     const int error =
         transfers_.prepare(usb_, buffers_, transfers_of(settings_, *driver_), bytes_of(settings_, *driver_));
-    status = usb_status(error, "memory for USB transfers");
+    status = device_status(error, "memory for USB transfers");
   }
   if (!status.ok()) {
     close();

@@ -9,12 +9,7 @@ void UsbCameraSamples::restart(const UsbCameraDriver& driver, const UsbCameraInf
   imu_axes_ = settings.imu_axes;
   inivation_ = InivationDecoder(info.layout, inivation_.counters());
   evt_ = Evt3Decoder(info.size, evt_.counters());
-  forget_clock();
-}
-
-void UsbCameraSamples::forget_clock() noexcept {
-  clock_.reset();
-  is_mapped_ = false;
+  clock_.restart();
 }
 
 void UsbCameraSamples::take(std::span<const std::byte> bytes, std::int64_t host_us, bool is_live,
@@ -26,23 +21,20 @@ void UsbCameraSamples::take(std::span<const std::byte> bytes, std::int64_t host_
     more = !batch.is_last;
     if (time_jumps() != jumps) {
       ++counters.clock_restarts;
-      forget_clock();
+      clock_.restart();
     }
-    if (is_live && is_mapped_) {
+    if (is_live && clock_.is_mapped()) {
       push(batch, inlets, counters);
     } else {
       counters.events_unmapped += batch.events;
       if (wants_imu_) counters.imu_unmapped += batch.imu;
     }
   }
-  is_inivation_ ? inivation_.end_transfer() : evt_.end_transfer();
+  is_inivation_ ? inivation_.end_transfer() : evt_.drop_partial();  // no word crosses transfers
   if (!(is_inivation_ ? inivation_.is_time_known() : evt_.is_time_known())) return;
   // The newest time in a transfer is the one that the host has had no longer than its way here took.
   const std::int64_t device_us = is_inivation_ ? inivation_.time_us() : evt_.time_us();
   clock_.observe(device_us, host_us);
-  is_mapped_ = true;
-  const std::int64_t newest_us = clock_.to_host_us(device_us) - 1;  // its microsecond may go on
-  if (newest_us > watermark_us_) watermark_us_ = newest_us;
 }
 
 UsbCameraSamples::Batch UsbCameraSamples::decode(std::span<const std::byte> bytes) noexcept {

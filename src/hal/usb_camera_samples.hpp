@@ -7,9 +7,9 @@
 #include <span>
 
 #include "egofocus/source.hpp"
-#include "hal/clock_map.hpp"
 #include "hal/evt3_decoder.hpp"
 #include "hal/inivation_decoder.hpp"
+#include "hal/source_clock.hpp"
 #include "hal/usb_camera.hpp"
 #include "hal/usb_camera_counters.hpp"
 
@@ -29,7 +29,7 @@ class UsbCameraSamples {
             UsbCameraCounters& counters) noexcept;
 
   /// Every sample up to here has been pushed; INT64_MIN before the first.
-  [[nodiscard]] std::int64_t watermark_us() const noexcept { return watermark_us_; }
+  [[nodiscard]] std::int64_t watermark_us() const noexcept { return clock_.watermark_us(); }
   [[nodiscard]] const EvtCounters& evt() const noexcept { return evt_.counters(); }
   [[nodiscard]] const InivationCounters& inivation() const noexcept { return inivation_.counters(); }
 
@@ -47,16 +47,13 @@ class UsbCameraSamples {
   Batch decode(std::span<const std::byte> bytes) noexcept;
   [[nodiscard]] std::uint64_t time_jumps() const noexcept;
   void push(const Batch& batch, Inlets& inlets, UsbCameraCounters& counters) noexcept;
-  void forget_clock() noexcept;
 
   bool is_inivation_ = false;
   bool wants_imu_ = false;
   AxisMap imu_axes_;
   InivationDecoder inivation_{InivationLayout{}};
   Evt3Decoder evt_{SensorSize{}};
-  ClockMap clock_;
-  bool is_mapped_ = false;
-  std::int64_t watermark_us_ = INT64_MIN;
+  SourceClock clock_;
   std::array<Event, kStagedEvents> events_;
   std::array<ImuSample, kStagedImu> imu_;
 };

@@ -7,8 +7,6 @@ namespace {
 
 constexpr std::int64_t kSilence_us = 1'000'000;  // every family sends times without events
 constexpr std::int64_t kDropsEvery_us = 1'000'000;
-constexpr std::int64_t kFirstRetry_us = 100'000;
-constexpr std::int64_t kLongestRetry_us = 2'000'000;
 constexpr int kMostFailures = 8;
 constexpr int kCancelWaits = 100;  // of 10 ms
 constexpr std::int64_t kCancelWait_us = 10'000;
@@ -162,7 +160,7 @@ int UsbCameraSource::take(UsbTransfer& transfer, std::int64_t at_us, Inlets& inl
   counts_.bytes += transfer.length;
   if (transfer.length > 0) {
     last_data_us_ = at_us;
-    retry_after_us_ = 0;
+    retry_.worked();
     const bool is_live = counts_.phase == UsbCameraPhase::kStreaming;
     samples_.take(transfer.buffer.first(transfer.length), at_us, is_live, inlets, counts_);
   }
@@ -220,8 +218,7 @@ Delivery UsbCameraSource::lose(int error, const char* subject) noexcept {
   ++counts_.lost;
   counts_.last_error = {StatusCode::kDeviceLost, subject, error};
   close();
-  retry_after_us_ = retry_after_us_ == 0 ? kFirstRetry_us : lower_of(2 * retry_after_us_, kLongestRetry_us);
-  retry_at_us_ = now_us() + retry_after_us_;
+  retry_.failed(now_us());
   return delivery();
 }
 
@@ -232,15 +229,14 @@ Delivery UsbCameraSource::look_again(std::int64_t timeout_us) noexcept {
             .status = {StatusCode::kBadState, "poll() of a USB camera before start()"}};
   if (!settings_.reopen) return delivery();
   const std::int64_t at_us = now_us();
-  if (at_us < retry_at_us_) {
-    clock_.sleep_until_us(clock_.self, lower_of(retry_at_us_, at_us + timeout_us));
+  if (at_us < retry_.next_us()) {
+    clock_.sleep_until_us(clock_.self, lower_of(retry_.next_us(), at_us + timeout_us));
     return delivery();
   }
   if (const Status status = start(); !status.ok()) {
     ++counts_.refused;
     counts_.last_error = status;
-    retry_after_us_ = lower_of(2 * retry_after_us_, kLongestRetry_us);
-    retry_at_us_ = now_us() + retry_after_us_;
+    retry_.failed(now_us());
   }
   return delivery();
 }

@@ -8,6 +8,7 @@
 #include "core/clock.hpp"
 #include "core/snapshot.hpp"
 #include "egofocus/source.hpp"
+#include "hal/retry_pause.hpp"
 #include "hal/usb_camera.hpp"
 #include "hal/usb_camera_counters.hpp"
 #include "hal/usb_camera_samples.hpp"
@@ -99,8 +100,7 @@ class UsbCameraSource {
   int failures_in_a_row_ = 0;
   std::int64_t last_data_us_ = 0;
   std::int64_t drops_read_us_ = 0;
-  std::int64_t retry_at_us_ = 0;
-  std::int64_t retry_after_us_ = 0;
+  RetryPause retry_;
 };
 
 }  // namespace egofocus

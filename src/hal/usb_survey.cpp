@@ -1,5 +1,7 @@
 #include "hal/usb_survey.hpp"
 
+#include "hal/device_status.hpp"
+
 #include <array>
 
 namespace egofocus {
@@ -7,7 +9,7 @@ namespace egofocus {
 Status survey_usb(const UsbIo& io, std::span<UsbSighting> out, std::size_t& found) noexcept {
   found = 0;
   UsbConnection usb;
-  if (const int error = usb.open_bus(io); error != 0) return usb_status(error, "the USB bus");
+  if (const int error = usb.open_bus(io); error != 0) return device_status(error, "the USB bus");
   std::array<UsbDevice, 128> devices;
   const std::size_t all = usb.list(devices);
   for (std::size_t i = 0; i < all && i < devices.size(); ++i) {
