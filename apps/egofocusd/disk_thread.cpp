@@ -1,10 +1,10 @@
 #include "disk_thread.hpp"
 
 #include <chrono>
+#include <exception>
 #include <utility>
 
 #include "log.hpp"
-#include "recording/error.hpp"
 #include "recording/text_file.hpp"
 
 namespace egofocus::daemon {
@@ -53,7 +53,7 @@ void DiskThread::work() {
     try {
       recording::write_text_file(metrics_file_, text);
       metrics_failed_ = false;
-    } catch (const recording::Error& error) {
+    } catch (const std::exception& error) {
       if (!std::exchange(metrics_failed_, true)) log(Priority::kWarning, error.what());
     }
   }

@@ -6,7 +6,6 @@
 #include "core/clock.hpp"
 #include "hal/usb_camera_source.hpp"
 #include "recording/recording_source.hpp"
-#include "recording/text_file.hpp"
 
 namespace egofocus::daemon {
 namespace {
@@ -67,7 +66,7 @@ void open_can(const Setup& setup, Recorder& recorder, OpenSources& open) {
   }
   const std::filesystem::path dbc = setup.camera_file.parent_path() / can.dbc;
   auto bus = std::make_shared<CanBus>(
-      setup.daemon.can, recording::make_can_decoder(can, recording::read_text_file(dbc), dbc), recorder);
+      setup.daemon.can, recording::make_can_decoder(can, setup.dbc, dbc), recorder);
   require_device(bus->source.start(), std::string("[can] interface ") + setup.daemon.can.interface_name);
   bus->source.stop();
   open.to_attach.push_back(bus->source.source());

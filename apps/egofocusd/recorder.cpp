@@ -25,7 +25,7 @@ constexpr std::size_t kFrameSlots = 1u << 14;
 constexpr std::size_t kEncodedBytes = 1u << 18;
 constexpr std::size_t kBatch = 4096;
 
-std::string folder_name() {
+std::string time_text() {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
   ::gmtime_r(&now, &utc);
@@ -59,20 +59,17 @@ void Recorder::begin(const Setup& setup, std::int64_t now_us) {
   if (setup.camera.config.motion.source == MotionSource::kPoses)
     throw Error(ExitCode::kConfiguration, "the motion are poses, not a bus: there is no can.log to write.");
   Wish wish;
-  wish.folder = config_.folder / folder_name();
-  for (int i = 2; fs::exists(wish.folder) || fs::exists(wish.folder.string() + ".partial"); ++i)
-    wish.folder = config_.folder / (folder_name() + "-" + std::to_string(i));
   wish.origin_us = now_us;
   wish.camera_toml = recording::camera_toml_text(setup.camera);
   wish.dbc_name = setup.camera.can.dbc;
-  wish.dbc = recording::read_text_file(setup.camera_file.parent_path() / wish.dbc_name);
-  wish.config = recording::read_text_file(setup.daemon.file);
+  wish.dbc = setup.dbc;
+  wish.config = setup.config_text;
   wish.size = {static_cast<std::uint16_t>(setup.camera.config.camera.intrinsics.width_px),
                static_cast<std::uint16_t>(setup.camera.config.camera.intrinsics.height_px)};
   const std::lock_guard lock(guard_);
-  if (facts_.on) throw Error(ExitCode::kUsage, "a recording is on already: " + facts_.folder);
+  if (facts_.on) throw Error(ExitCode::kUsage, "a recording is on already. Stop it first.");
   facts_.on = true;
-  facts_.folder = wish.folder.string();
+  facts_.folder.clear();
   facts_.failure.clear();
   facts_.bytes = facts_.not_encodable = 0;
   end_asked_ = false;
@@ -120,7 +117,7 @@ void Recorder::work() {
     const bool is_full = bytes_ > static_cast<std::uint64_t>(config_.max_mib) << 20;
     if (is_full) log(Priority::kNotice, folder_.string() + ": the recording ends at [record] max_mib");
     if (end_asked || is_full) close("");
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     close(error.what());
   }
   const std::lock_guard lock(guard_);
@@ -129,8 +126,7 @@ void Recorder::work() {
 }
 
 void Recorder::open(const Wish& wish) {
-  folder_ = wish.folder;
-  partial_ = wish.folder.string() + ".partial";
+  name_folder();
   bytes_ = 0;
   encoder_ = {};
   origin_us_ = wish.origin_us;
@@ -152,6 +148,16 @@ void Recorder::open(const Wish& wish) {
   drop_waiting();
   on_.store(true, std::memory_order_release);
   log(Priority::kNotice, "records to " + folder_.string());
+}
+
+void Recorder::name_folder() {
+  const fs::path wanted = config_.folder / time_text();
+  folder_ = wanted;
+  for (int i = 2; fs::exists(folder_) || fs::exists(folder_.string() + ".partial"); ++i)
+    folder_ = wanted.string() + "-" + std::to_string(i);
+  partial_ = folder_.string() + ".partial";
+  const std::lock_guard lock(guard_);
+  facts_.folder = folder_.string();
 }
 
 void Recorder::drop_waiting() {

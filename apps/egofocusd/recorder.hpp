@@ -58,13 +58,13 @@ class Recorder {
 
  private:
   struct Wish {
-    std::filesystem::path folder;
     std::int64_t origin_us = 0;
     std::string camera_toml, dbc_name, dbc, config;
     SensorSize size;
   };
 
   void open(const Wish& wish);
+  void name_folder();
   void write_events();
   void write_frames();
   void drop_waiting();

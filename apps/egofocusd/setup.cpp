@@ -1,13 +1,16 @@
 #include "setup.hpp"
 
 #include "recording/recording_source.hpp"
+#include "recording/text_file.hpp"
 
 namespace egofocus::daemon {
 
-Setup::Setup(const DaemonConfig& config) : daemon(config) {
+Setup::Setup(const DaemonConfig& config)
+    : daemon(config), config_text(recording::read_text_file(config.file)) {
   camera_file = config.source.events == EventsFrom::kReplay ? config.source.recording / "camera.toml"
                                                             : config.engine.camera;
   camera = recording::read_camera_toml(camera_file);
+  if (!camera.can.dbc.empty()) dbc = recording::read_text_file(camera_file.parent_path() / camera.can.dbc);
   Config& engine = camera.config;
   engine.backend = config.engine.backend;
   engine.threads = config.engine.threads;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "daemon_config.hpp"
 #include "egofocus/engine.hpp"
@@ -18,8 +19,10 @@ struct Setup {
   [[nodiscard]] const Intrinsics& grid() const noexcept;
 
   DaemonConfig daemon;
+  std::string config_text;
   std::filesystem::path camera_file;
   recording::CameraFile camera;  ///< camera.config is the engine's, complete
+  std::string dbc;               ///< its text; empty without one
   std::optional<recording::ModelFile> model;
   std::size_t arena_bytes = 0;
 };

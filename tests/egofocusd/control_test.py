@@ -8,7 +8,6 @@ import os
 import pathlib
 import re
 import resource
-import signal
 import socket
 import subprocess
 import time
@@ -129,21 +128,6 @@ class Control(DaemonTest):
             self.assertTrue(os.path.exists(health["recording_folder"] + ".partial"))
             wait_for(lambda d=daemon, b=health["ticks_run"]: d.health()["ticks_run"] > b + 5, "depth goes on")
             self.assertEqual(daemon.stop()[0], 0)
-
-    def test_a_disk_that_is_too_slow_costs_events_of_the_recording_alone(self):
-        daemon = self.daemon(record__folder=".", record__buffer_events=65536).started()
-        self.assertIn("done", daemon.ask("record start"))
-        wait_for(lambda: daemon.health()["recording_bytes"] > 0, "the recording")
-        # The disk's thread is the one whose name no engine's thread has; stopping a single thread is not possible from
-        # outside, so the whole process sleeps: the ring must hold, or count, what the clock then brings at once.
-        daemon.process.send_signal(signal.SIGSTOP)
-        time.sleep(1)
-        daemon.process.send_signal(signal.SIGCONT)
-        before = daemon.health()["ticks_run"]
-        wait_for(lambda: daemon.health()["ticks_run"] > before + 5, "depth goes on")
-        daemon.ask("record stop")
-        wait_for(lambda: daemon.health()["recording"] == 0, "the end of the recording")
-        self.assertEqual(daemon.health()["recording_failure"], "")
 
     def test_the_log_is_short_however_often_something_is_asked(self):
         daemon = self.daemon().started()

@@ -24,7 +24,9 @@ std::string with(std::string text, const std::string& from, const std::string& t
 }
 
 const std::string kDefault = default_config_text();
-const std::string kSound = with(kDefault, "# recording =", "recording =");
+std::string sound() {
+  return with(kDefault, "# recording =", "recording =");
+}
 
 int line_of(const std::string& text, const std::string& part) {
   return 1 +
@@ -38,7 +40,7 @@ TEST_CASE("the commented default lacks the recording alone, and says what the pr
   REQUIRE(problems.size() == 1);
   CHECK(problems[0].find("[source] `recording` is missing") != std::string::npos);
   DaemonConfig from_text;
-  CHECK(parse_daemon_config(kSound, "/etc/x/d.toml", from_text).empty());
+  CHECK(parse_daemon_config(sound(), "/etc/x/d.toml", from_text).empty());
   CHECK(from_text.source.recording == "/etc/x/recording");
   const DaemonConfig built_in;
   CHECK(from_text.source.clock == built_in.source.clock);
@@ -108,7 +110,7 @@ TEST_CASE("what is wrong or contradicts itself is named with its line") {
   };
   for (const Case& c : cases) {
     INFO(c.to);
-    const std::string text = with(kSound, c.from, c.to);
+    const std::string text = with(sound(), c.from, c.to);
     const auto problems = problems_of(text);
     if (*c.says == '\0') {
       CHECK(problems.empty());
@@ -121,14 +123,14 @@ TEST_CASE("what is wrong or contradicts itself is named with its line") {
     const std::string first_line = std::string(c.to).substr(0, std::string(c.to).find('\n'));
     CHECK(problems[0].rfind("d.toml:" + std::to_string(line_of(text, first_line)) + ":", 0) == 0);
   }
-  CHECK(problems_of(with(with(kSound, "clock = \"real\"", "clock = \"virtual\""), "at_end = \"stop\"",
+  CHECK(problems_of(with(with(sound(), "clock = \"real\"", "clock = \"virtual\""), "at_end = \"stop\"",
                          "at_end = \"repeat\""))
             .size() == 1);
   CHECK(
-      problems_of(with(with(kSound, "backend = \"network\"", "backend = \"focus\""), "# model =", "model ="))
+      problems_of(with(with(sound(), "backend = \"network\"", "backend = \"focus\""), "# model =", "model ="))
           .size() == 1);
-  CHECK(problems_of(with(kSound, "control.sock", "depth.sock")).size() == 1);
-  CHECK(problems_of(with(kSound, "# camera =", "camera =")).size() == 1);
+  CHECK(problems_of(with(sound(), "control.sock", "depth.sock")).size() == 1);
+  CHECK(problems_of(with(sound(), "# camera =", "camera =")).size() == 1);
   CHECK(problems_of("[source\n").size() == 1);
   CHECK(problems_of("").size() == 1);
 }

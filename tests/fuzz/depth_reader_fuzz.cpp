@@ -1,4 +1,5 @@
 // The readers' side of the depth memory: whatever lies there, nothing outside it is read and nothing hangs.
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <vector>

@@ -128,8 +128,9 @@ TEST_CASE(
   const EventCounters& events = whole.health.events;
   CHECK(events.in == whole.pushed);
   CHECK(events.in == 25'000);
-  CHECK(events.kept == 5'000);
-  CHECK(events.over_rate == 20'000);
+  CHECK(events.kept + events.over_rate == 25'000);
+  CHECK(events.kept >= 5'000);
+  CHECK(events.kept <= 10 * 501);  // the last slot has only begun
   CHECK(events.ring_dropped == 0);
   CHECK((whole.flags_of_all & kOverload) != 0);
 }
