@@ -11,7 +11,8 @@ using recording::Error;
 using recording::ExitCode;
 using recording::Names;
 
-constexpr Names<EventsFrom, 2> kEventsNames{{{"replay", EventsFrom::kReplay}, {"usb", EventsFrom::kUsb}}};
+constexpr Names<EventsFrom, 3> kEventsNames{
+    {{"replay", EventsFrom::kReplay}, {"usb", EventsFrom::kUsb}, {"v4l2", EventsFrom::kV4l2}}};
 constexpr Names<MotionFrom, 2> kMotionNames{{{"replay", MotionFrom::kReplay}, {"can", MotionFrom::kCan}}};
 constexpr Names<ClockKind, 2> kClockNames{
     {{"real", ClockKind::kMonotonic}, {"virtual", ClockKind::kVirtual}}};

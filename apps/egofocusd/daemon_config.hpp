@@ -14,7 +14,7 @@
 
 namespace egofocus::daemon {
 
-enum class EventsFrom : std::uint8_t { kReplay, kUsb };
+enum class EventsFrom : std::uint8_t { kReplay, kUsb, kV4l2 };
 enum class MotionFrom : std::uint8_t { kReplay, kCan };
 enum class AtEnd : std::uint8_t { kStop, kRepeat };
 

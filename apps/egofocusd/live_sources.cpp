@@ -5,6 +5,7 @@
 
 #include "core/clock.hpp"
 #include "hal/usb_camera_source.hpp"
+#include "hal/v4l2_source.hpp"
 #include "recording/recording_source.hpp"
 
 namespace egofocus::daemon {
@@ -23,6 +24,13 @@ struct UsbCamera {
       : buffers(UsbCameraSource::buffer_bytes(settings)), source(settings, buffers, io, monotonic_clock()) {}
   std::vector<std::byte> buffers;
   UsbCameraSource source;
+};
+
+struct V4l2Camera {
+  explicit V4l2Camera(const V4l2CameraSettings& settings)
+      : copy(V4l2CameraSource::buffer_bytes(settings)), source(settings, copy, monotonic_clock()) {}
+  std::vector<std::byte> copy;
+  V4l2CameraSource source;
 };
 
 struct CanBus {
@@ -44,6 +52,14 @@ void require_size(SensorSize size, const Setup& setup) {
                   std::to_string(size.height_px) + ". Use the calibration of this sensor.");
 }
 
+template <typename Camera>
+void open_camera(std::shared_ptr<Camera> camera, const char* section, const Setup& setup, OpenSources& open) {
+  require_device(camera->source.open(), std::string(section) + " of " + setup.camera_file.string());
+  require_size(camera->source.info().size, setup);
+  open.to_attach.push_back(camera->source.source());
+  open.kept.push_back(std::move(camera));
+}
+
 void open_usb(const Setup& setup, OpenSources& open) {
   const UsbIo* const usb = system_usb();
   if (usb == nullptr) {
@@ -51,11 +67,11 @@ void open_usb(const Setup& setup, OpenSources& open) {
                 "this build has no USB. Install libusb (Debian: libusb-1.0-0-dev) and build again with "
                 "EGOFOCUS_USB=ON.");
   }
-  auto camera = std::make_shared<UsbCamera>(setup.camera.usb.camera, *usb);
-  require_device(camera->source.open(), "[usb] of " + setup.camera_file.string());
-  require_size(camera->source.info().size, setup);
-  open.to_attach.push_back(camera->source.source());
-  open.kept.push_back(std::move(camera));
+  open_camera(std::make_shared<UsbCamera>(setup.camera.usb.camera, *usb), "[usb]", setup, open);
+}
+
+void open_v4l2(const Setup& setup, OpenSources& open) {
+  open_camera(std::make_shared<V4l2Camera>(setup.camera.v4l2.camera), "[v4l2]", setup, open);
 }
 
 void open_can(const Setup& setup, Recorder& recorder, OpenSources& open) {
@@ -65,8 +81,8 @@ void open_can(const Setup& setup, Recorder& recorder, OpenSources& open) {
                 "lacks the section [can]: motion = \"can\" needs a DBC and its signals (docs/formats.md).");
   }
   const std::filesystem::path dbc = setup.camera_file.parent_path() / can.dbc;
-  auto bus = std::make_shared<CanBus>(
-      setup.daemon.can, recording::make_can_decoder(can, setup.dbc, dbc), recorder);
+  auto bus =
+      std::make_shared<CanBus>(setup.daemon.can, recording::make_can_decoder(can, setup.dbc, dbc), recorder);
   require_device(bus->source.start(), std::string("[can] interface ") + setup.daemon.can.interface_name);
   bus->source.stop();
   open.to_attach.push_back(bus->source.source());
@@ -76,7 +92,7 @@ void open_can(const Setup& setup, Recorder& recorder, OpenSources& open) {
 // Each inlet has one writer.
 void require_one_imu(const Setup& setup) {
   const CanMotionConfig& can = setup.camera.can.motion;
-  if (!setup.camera.usb.camera.imu) return;
+  if (setup.daemon.source.events != EventsFrom::kUsb || !setup.camera.usb.camera.imu) return;
   for (std::size_t i = 0; i < can.signal_count; ++i) {
     if (can.signals[i].role > CanRole::kAccelZ) continue;
     throw Error(ExitCode::kConfiguration, setup.camera_file.string(),
@@ -100,7 +116,9 @@ OpenSources open_live_sources(const Setup& setup, Recorder& recorder) {
       if (code == ExitCode::kOk) code = static_cast<ExitCode>(error.exit_code());
     }
   };
-  attempt([&] { open_usb(setup, open); });
+  attempt([&] {
+    setup.daemon.source.events == EventsFrom::kUsb ? open_usb(setup, open) : open_v4l2(setup, open);
+  });
   attempt([&] { open_can(setup, recorder, open); });
   if (!problems.empty()) throw Error(code, problems);
   return open;

@@ -190,6 +190,7 @@ void describe_file(File& file, CameraFile& v) {
   file.section("depth", depth);
   file.section("can", v.can);
   file.section("usb", v.usb);
+  file.section("v4l2", v.v4l2);
 }
 
 }  // namespace egofocus::recording

@@ -9,6 +9,7 @@
 #include "egofocus/config.hpp"
 #include "hal/can_motion_config.hpp"
 #include "recording/usb_schema.hpp"
+#include "recording/v4l2_schema.hpp"
 
 namespace egofocus::recording {
 
@@ -22,6 +23,7 @@ struct CameraFile {
   Config config;
   CanSetup can;
   UsbSetup usb;
+  V4l2Setup v4l2;
   double depth_scale_m = 0.001;  ///< metres per unit of depth/*.png
 };
 

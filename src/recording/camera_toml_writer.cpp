@@ -124,6 +124,7 @@ class FileWriter {
   static bool present(const Intrinsics& grid) { return grid.width_px != 0; }
   static bool present(const CanSetup& can) { return can.motion.signal_count > 0; }
   static bool present(const UsbSetup& usb) { return usb.is_given; }
+  static bool present(const V4l2Setup& v4l2) { return v4l2.is_given; }
 };
 
 }  // namespace

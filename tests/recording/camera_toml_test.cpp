@@ -161,7 +161,8 @@ TEST_CASE("each mistake in [can] is named, too") {
 
 TEST_CASE("[usb] sets a live camera, and each of its mistakes is named") {
   const std::string usb =
-      kCamera + "[usb]\nserial = \"00000346\"\nimu = true\nimu_axes = [\"z\", \"-x\", \"y\"]\nreopen = false\n";
+      kCamera +
+      "[usb]\nserial = \"00000346\"\nimu = true\nimu_axes = [\"z\", \"-x\", \"y\"]\nreopen = false\n";
   const std::string bias = "[[usb.biases]]\nname = \"OnBn\"\n";
   const CameraFile file = parse_camera_toml(
       usb + "transfers = 8\nsensitivity = \"high\"\n" + bias + "coarse = 5\nfine = 200\n", "camera.toml");
@@ -185,11 +186,41 @@ TEST_CASE("[usb] sets a live camera, and each of its mistakes is named") {
 
   CHECK_THAT(complaint(usb + "gain = 1\n"), Contains("[usb] has no key `gain`"));
   CHECK_THAT(complaint(usb + bias + "corse = 1\n"), Contains("[[usb.biases]] has no key `corse`"));
-  CHECK_THAT(complaint(usb + "[[usb.biases]]\ncoarse = 1\n"), Contains("[[usb.biases]] lacks the key `name`"));
-  CHECK_THAT(complaint(usb + "sensitivity = \"highest\"\n"), Contains("`sensitivity` must be one of \"very_low\""));
+  CHECK_THAT(complaint(usb + "[[usb.biases]]\ncoarse = 1\n"),
+             Contains("[[usb.biases]] lacks the key `name`"));
+  CHECK_THAT(complaint(usb + "sensitivity = \"highest\"\n"),
+             Contains("`sensitivity` must be one of \"very_low\""));
   CHECK_THAT(complaint(kCamera + "[usb]\nserial = \"" + std::string(24, '1') + "\"\n"),
              Contains("`serial`") && Contains("at most 23 characters"));
   CHECK_THAT(complaint(usb + "biases = 3\n"), Contains("must be a list of tables [[usb.biases]]"));
+}
+
+TEST_CASE("[v4l2] sets a live sensor, and each of its mistakes is named") {
+  const std::string v4l2 = kCamera + "[v4l2]\ndevice = \"genx320\"\nframe_end = \"marker\"\nbuffers = 8\n";
+  const std::string control = "[[v4l2.controls]]\nname = \"bias_fo\"\n";
+  const CameraFile file =
+      parse_camera_toml(v4l2 + "format = \"evt21me\"\n" + control + "value = 34\n", "camera.toml");
+  CHECK(file.v4l2.is_given);
+  const V4l2CameraSettings& camera = file.v4l2.camera;
+  CHECK(std::string(camera.device) == "genx320");
+  CHECK(camera.has_format);
+  CHECK(camera.format == EvtFormat::kEvt21Legacy);
+  CHECK(camera.frame_end == V4l2FrameEnd::kMarker);
+  CHECK(camera.buffers == 8);
+  REQUIRE(camera.control_count == 1);
+  CHECK(std::string(camera.controls[0].name) == "bias_fo");
+  CHECK(camera.controls[0].value == 34);
+  const CameraFile again = parse_camera_toml(camera_toml_text(file), "again.toml");
+  CHECK(camera_toml_text(again) == camera_toml_text(file));
+  CHECK(again.v4l2.camera.format == EvtFormat::kEvt21Legacy);
+  CHECK_FALSE(parse_camera_toml(v4l2, "camera.toml").v4l2.camera.has_format);
+  CHECK_FALSE(parse_camera_toml(kCamera, "camera.toml").v4l2.is_given);
+
+  CHECK_THAT(complaint(v4l2 + "gain = 1\n"), Contains("[v4l2] has no key `gain`"));
+  CHECK_THAT(complaint(v4l2 + "format = \"evt4\"\n"), Contains("`format` must be one of \"sensor\""));
+  CHECK_THAT(complaint(v4l2 + "[[v4l2.controls]]\nvalue = 1\n"), Contains("lacks the key `name`"));
+  CHECK_THAT(complaint(kCamera + "[v4l2]\ndevice = \"" + std::string(64, '1') + "\"\n"),
+             Contains("`device`") && Contains("at most 63 characters"));
 }
 
 TEST_CASE("the example of docs/formats.md is a good file") {
@@ -210,6 +241,8 @@ TEST_CASE("docs/formats.md names each key that can be set") {
   file.can.motion.signals[0].raw_max = 1;
   file.usb.is_given = true;
   file.usb.camera.bias_count = 1;
+  file.v4l2.is_given = true;
+  file.v4l2.camera.control_count = 1;
   const std::string text = camera_toml_text(file);
   for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1) {
     const std::string line = text.substr(at, text.find('\n', at) - at);
