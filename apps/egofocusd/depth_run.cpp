@@ -55,6 +55,12 @@ void DepthRun::start(DepthMemory& memory, Recorder& recorder) {
       "egofocusd", ExitCode::kMemory);
 }
 
+std::vector<DeviceFact> DepthRun::devices() const {
+  std::vector<DeviceFact> facts;
+  for (const auto& tell_of_one : sources_.devices) tell_of_one(facts);
+  return facts;
+}
+
 void DepthRun::request_stop() noexcept {
   stopping_.store(true, std::memory_order_relaxed);
   engine_.request_stop();

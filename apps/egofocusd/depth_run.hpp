@@ -46,6 +46,8 @@ class DepthRun {
   [[nodiscard]] const Status& failure() const noexcept { return failure_; }
   [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_.load(std::memory_order_relaxed); }
   [[nodiscard]] Health health() const noexcept { return engine_.health(); }
+  /// What live sources count. Thread: the service's, after start().
+  [[nodiscard]] std::vector<DeviceFact> devices() const;
   [[nodiscard]] const char* isa() const noexcept { return engine_.isa(); }
   [[nodiscard]] const Setup& setup() const noexcept { return *setup_; }
 

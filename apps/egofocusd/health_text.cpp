@@ -124,6 +124,8 @@ HealthText health_text(const DaemonFacts& facts) {
   tell(t, ticks);
   tell(t, stages);
   tell(t, facts.recorder);
+  for (const DeviceFact& fact : facts.devices)
+    fact.is_counter ? t.count(fact.name, fact.value) : t.gauge(fact.name, fact.value);
   t.count("reloads", facts.reloads);
   t.count("reloads_failed", facts.reloads_failed);
   t.count("log_lines_left_out", facts.log_lines_left_out);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "device_facts.hpp"
 #include "egofocus/health.hpp"
 #include "recorder.hpp"
 
@@ -13,6 +14,7 @@ namespace egofocus::daemon {
 struct DaemonFacts {
   Health health;
   RecorderFacts recorder;
+  std::vector<DeviceFact> devices;
   std::string isa;
   std::int64_t up_s = 0;
   std::size_t readers = 0;

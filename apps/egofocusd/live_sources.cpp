@@ -56,6 +56,7 @@ template <typename Camera>
 void open_camera(std::shared_ptr<Camera> camera, const char* section, const Setup& setup, OpenSources& open) {
   require_device(camera->source.open(), std::string(section) + " of " + setup.camera_file.string());
   require_size(camera->source.info().size, setup);
+  open.devices.emplace_back([source = &camera->source](auto& facts) { tell(source->counters(), facts); });
   open.to_attach.push_back(camera->source.source());
   open.kept.push_back(std::move(camera));
 }
@@ -85,6 +86,10 @@ void open_can(const Setup& setup, Recorder& recorder, OpenSources& open) {
       std::make_shared<CanBus>(setup.daemon.can, recording::make_can_decoder(can, setup.dbc, dbc), recorder);
   require_device(bus->source.start(), std::string("[can] interface ") + setup.daemon.can.interface_name);
   bus->source.stop();
+  open.devices.emplace_back([source = &bus->source](auto& facts) {
+    SocketCanHealth health;
+    if (source->health(health)) tell(health, facts);
+  });
   open.to_attach.push_back(bus->source.source());
   open.kept.push_back(std::move(bus));
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "device_facts.hpp"
 #include "egofocus/source.hpp"
 #include "recorder.hpp"
 #include "setup.hpp"
@@ -16,7 +17,8 @@ namespace egofocus::daemon {
 struct OpenSources {
   std::vector<Source> to_attach;            ///< Engine::attach() each, in this order
   std::vector<std::shared_ptr<void>> kept;  ///< what they rest on; outlives the engine
-  std::int64_t first_tick_us = 0;           ///< t_0, on the clock of [source]
+  std::vector<std::function<void(std::vector<DeviceFact>&)>> devices;  ///< each appends. Thread: any.
+  std::int64_t first_tick_us = 0;                                      ///< t_0, on the clock of [source]
   std::function<bool(std::int64_t)>
       ends_before;  ///< will nothing come for a tick at this time? Thread: the tick's.
 };

@@ -218,6 +218,7 @@ std::string Service::answer(std::string_view request) {
 HealthText Service::health() const {
   return health_text({.health = run_->health(),
                       .recorder = recorder_.facts(),
+                      .devices = run_->devices(),
                       .isa = run_->isa(),
                       .up_s = (now_us() - begun_us_) / 1'000'000,
                       .readers = depth_->readers(),
