@@ -46,6 +46,11 @@ TEST_CASE("the commented default lacks the recording alone, and says what the pr
   CHECK(from_text.source.clock == built_in.source.clock);
   CHECK(from_text.source.at_end == built_in.source.at_end);
   CHECK(from_text.source.wait_for_reader == built_in.source.wait_for_reader);
+  CHECK(std::string(from_text.can.interface_name) == built_in.can.interface_name);
+  CHECK(from_text.can.hardware_time == built_in.can.hardware_time);
+  CHECK(from_text.can.wait_for_interface == built_in.can.wait_for_interface);
+  CHECK(from_text.can.restart_after_us == built_in.can.restart_after_us);
+  CHECK(from_text.can.receive_buffer_bytes == built_in.can.receive_buffer_bytes);
   CHECK(from_text.engine.backend == built_in.engine.backend);
   CHECK(from_text.engine.threads == built_in.engine.threads);
   CHECK(from_text.engine.rate_hz == built_in.engine.rate_hz);
@@ -66,7 +71,7 @@ TEST_CASE("the commented default lacks the recording alone, and says what the pr
 }
 
 TEST_CASE("each key that the program knows stands in the default") {
-  for (const std::string section : {"source", "engine", "depth", "control", "metrics", "record"}) {
+  for (const std::string section : {"source", "can", "engine", "depth", "control", "metrics", "record"}) {
     const auto problems =
         problems_of("[source]\nrecording = \"r\"\n" +
                     (section == "source" ? std::string() : "[" + section + "]\n") + "no_such_key = 1\n");
@@ -106,6 +111,9 @@ TEST_CASE("what is wrong or contradicts itself is named with its line") {
       {"# model = ", "backend2 = 0\nmodel = ", "[engine] has no key `backend2`"},
       {"buffer_events = 1048576", "buffer_events = 1000", "[record] `buffer_events` must be a power of two"},
       {"max_mib = 4096", "max_mib = 0", "[record] `max_mib` must lie in"},
+      {"interface = \"can0\"", "interface = \"a_name_too_long_\"",
+       "[can] `interface` must have 1..15 characters"},
+      {"restart_after_us = 0", "restart_after_us = -1", "[can] `restart_after_us` must not be negative"},
       {"group = true", "group = 1", "[depth] `group` must be true or false"},
   };
   for (const Case& c : cases) {
@@ -133,6 +141,25 @@ TEST_CASE("what is wrong or contradicts itself is named with its line") {
   CHECK(problems_of(with(sound(), "# camera =", "camera =")).size() == 1);
   CHECK(problems_of("[source\n").size() == 1);
   CHECK(problems_of("").size() == 1);
+}
+
+TEST_CASE("devices are both live, have a camera file, no recording and no virtual clock") {
+  const std::string live = "[source]\nevents = \"usb\"\nmotion = \"can\"\n";
+  const std::string engine = "[engine]\ncamera = \"robot.toml\"\n";
+  DaemonConfig config;
+  CHECK(parse_daemon_config(live + engine, "/etc/x/d.toml", config).empty());
+  CHECK(config.source.events == EventsFrom::kUsb);
+  CHECK(config.engine.camera == "/etc/x/robot.toml");
+  CHECK(problems_of(with(live, "usb", "v4l2") + engine).empty());
+  const auto only = [](const std::string& text) {
+    const auto problems = problems_of(text);
+    REQUIRE(problems.size() == 1);
+    return problems[0];
+  };
+  CHECK_THAT(only(live), Catch::Contains("[engine] lacks `camera`"));
+  CHECK_THAT(only(with(live, "can", "replay") + engine), Catch::Contains("d.toml:3: [source] `motion`"));
+  CHECK_THAT(only(live + "recording = \"r\"\n" + engine), Catch::Contains("d.toml:4: [source] `recording`"));
+  CHECK_THAT(only(live + "clock = \"virtual\"\n" + engine), Catch::Contains("d.toml:4: [source] `clock`"));
 }
 
 TEST_CASE("all that is wrong is found at once") {
