@@ -60,8 +60,8 @@ int main() {
     }
   }
   const SocketCanHealth health = bench.health();
-  std::printf("       %zu samples of %zu; %llu frames, %llu of other ids, %llu lost by the socket\n", got.size(),
-              expected.size(), static_cast<unsigned long long>(health.frames),
+  std::printf("       %zu samples of %zu; %llu frames, %llu of other ids, %llu lost by the socket\n",
+              got.size(), expected.size(), static_cast<unsigned long long>(health.frames),
               static_cast<unsigned long long>(health.motion.frames_unknown),
               static_cast<unsigned long long>(health.kernel_dropped));
   REQUIRE(got.size() == expected.size());
