@@ -67,7 +67,7 @@ SocketCanIo io_of(Kernel& kernel) {
     return of(s).choice(1);
   };
   io.receive = [](void* s, int, mmsghdr* m, unsigned n) noexcept { return of(s).receive(m, n); };
-  io.now_ns = [](void* s, bool realtime) noexcept {
+  io.now_ns = [](void* s, bool realtime) noexcept -> std::int64_t {
     return of(s).now_ns +
            (realtime ? 1'700'000'000'000'000'000 + take_byte(of(s).left) * 1'000'000'000LL : 0);
   };

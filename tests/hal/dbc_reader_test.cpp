@@ -187,11 +187,34 @@ TEST_CASE("dbc: the shipped files read completely") {
     std::size_t signals;
   };
   for (const Expected& expected :
-       {Expected{"bosch_mm.dbc", 3, 19}, Expected{"j1939_imu.dbc", 3, 16}, Expected{"xsens_mti.dbc", 5, 11},
-        Expected{"racelogic_imu03.dbc", 4, 7}, Expected{"wheels_examples.dbc", 9, 26}}) {
+       {Expected{"bosch_mm.dbc", 3, 19}, Expected{"j1939_imu.dbc", 4, 24}, Expected{"xsens_mti.dbc", 10, 22},
+        Expected{"racelogic_imu03.dbc", 4, 7}, Expected{"wheels_examples.dbc", 8, 22},
+        Expected{"bosch_abs_m5.dbc", 4, 9}}) {
     const auto dbc = read_shipped_dbc(expected.file);
     INFO(expected.file);
     CHECK(dbc->message_count == expected.messages);
     CHECK(dbc->signal_count == expected.signals);
   }
+}
+
+TEST_CASE("dbc: VFrameFormat says which messages are J1939 parameter groups") {
+  const std::string messages =
+      "BO_ 2364540158 A: 8 X\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" X\nBO_ 2565876352 B: 8 X\nBO_ 7 C: 8 X\n";
+  const auto groups = [&](const std::string& attributes) {
+    const auto dbc = read_dbc_text(messages + attributes);
+    std::string which;
+    for (std::size_t i = 0; i < dbc->message_count; ++i)
+      if (dbc->messages[i].parameter_group) which += dbc->messages[i].name;
+    return which;
+  };
+  CHECK(groups("") == "");
+  CHECK(groups("BA_ \"VFrameFormat\" BO_ 2565876352 3;\n") == "B");
+  CHECK(groups("BA_DEF_DEF_ \"VFrameFormat\" \"J1939PG\";\n") == "AB");  // no 11-bit id is one
+  CHECK(groups("BA_DEF_DEF_ \"VFrameFormat\" \"J1939PG\";\nBA_ \"VFrameFormat\" BO_ 2565876352 1;\n") == "A");
+  CHECK(groups("BA_DEF_DEF_ \"VFrameFormat\" \"StandardCAN\";\nBA_ \"VFrameFormat\" BO_ 7 3;\n") == "");
+  CHECK(groups("BA_ \"VFrameFormat\" BO_ 12345 3;\nBA_ \"Other\" BO_ 2565876352 3;\nBA_ \"Other\" 5;\n") ==
+        "");
+  CHECK(groups("BA_ \"VFrameFormat\nBO_ 2565876352 3;\";\n") == "");
+  auto dbc = std::make_unique<Dbc>();
+  CHECK_FALSE(read_dbc(messages + "BA_ \"VFrameFormat\" BO_ x;\n", {}, *dbc).ok());
 }

@@ -87,12 +87,12 @@ class Bench {
       if (!source.poll(inlets, 10000).status.ok()) ++bad_polls;
     } while (now_us() < end_us);
   }
-  bool poll_until_link(CanLink link, std::int64_t limit_us = 3'000'000) {
+  bool poll_until_link(CanLink link, std::int64_t limit_us = 20'000'000) {
     const std::int64_t end_us = now_us() + limit_us;
     while (health().link != link && now_us() < end_us) poll_for(1);
     return health().link == link;
   }
-  bool poll_until_frames(std::uint64_t frames, std::int64_t limit_us = 3'000'000) {
+  bool poll_until_frames(std::uint64_t frames, std::int64_t limit_us = 20'000'000) {
     const std::int64_t end_us = now_us() + limit_us;
     while (health().frames < frames && now_us() < end_us) poll_for(1);
     return health().frames == frames;

@@ -52,13 +52,18 @@ int main() {
   REQUIRE(bench.source.start().ok());
   shell("hil_play_can can.log vcan0 &");
   std::vector<ImuSample> got;
-  for (std::int64_t last_us = now_us(); got.size() < expected.size() && now_us() - last_us < 10'000'000;) {
+  for (std::int64_t last_us = now_us(); got.size() < expected.size() && now_us() - last_us < 60'000'000;) {
     bench.poll_for(1);
     for (const ImuSample& sample : bench.imu()) {
       got.push_back(sample);
       last_us = now_us();
     }
   }
+  const SocketCanHealth health = bench.health();
+  std::printf("       %zu samples of %zu; %llu frames, %llu of other ids, %llu lost by the socket\n",
+              got.size(), expected.size(), static_cast<unsigned long long>(health.frames),
+              static_cast<unsigned long long>(health.motion.frames_unknown),
+              static_cast<unsigned long long>(health.kernel_dropped));
   REQUIRE(got.size() == expected.size());
   bool same = true, rising = true;
   for (std::size_t i = 0; i < got.size(); ++i) {

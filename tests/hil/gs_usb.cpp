@@ -23,7 +23,7 @@ void tell(const std::string& line) {
 }
 
 bool appears(const char* name, bool there) {
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     if ((if_nametoindex(name) != 0) == there) return true;
     usleep(20000);
   }
@@ -40,7 +40,7 @@ void plug_in_adapter() {
 CanBusState state_after(Bench& bench, const char* error_line) {
   const std::uint64_t before = bench.health().errors.frames;
   tell(error_line);
-  for (int i = 0; i < 300 && bench.health().errors.frames == before; ++i) bench.poll_for(1);
+  for (int i = 0; i < 2000 && bench.health().errors.frames == before; ++i) bench.poll_for(1);
   return bench.health().bus;
 }
 
@@ -104,7 +104,7 @@ int main() {
   std::uint64_t frames = 0;
   for (std::uint64_t i = 1; i <= 5; ++i) {
     (void)state_after(bench, "error 40 00");
-    for (int k = 0; k < 500 && bench.health().restarts < i; ++k) bench.poll_for(1);
+    for (int k = 0; k < 2000 && bench.health().restarts < i; ++k) bench.poll_for(1);
     EXPECT(bench.health().restarts == i);
     bench.poll_for(500000);  // the socket tells of the way down and up
     EXPECT(bench.poll_until_link(CanLink::kUp));
@@ -114,10 +114,10 @@ int main() {
   }
   for (int i = 0; i < 5; ++i) {
     tell("unplug");
-    EXPECT(bench.poll_until_link(CanLink::kGone, 10'000'000));
+    EXPECT(bench.poll_until_link(CanLink::kGone));
     EXPECT(appears("can0", false));
     plug_in_adapter();
-    EXPECT(bench.poll_until_link(CanLink::kUp, 10'000'000));
+    EXPECT(bench.poll_until_link(CanLink::kUp));
     tell("frame 7 f401");
     EXPECT(bench.poll_until_frames(++frames));
   }

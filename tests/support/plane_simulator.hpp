@@ -30,7 +30,8 @@ class PlaneSimulator {
   static constexpr double kDepthScaleM = 0.001;
 
   explicit PlaneSimulator(std::uint64_t seed = 1);
-  /// Other ways through the same scene. Turns of more than about 1.5 rad/s leave more than 1 px between views.
+  /// Other ways through the same scene. Turns of more than about 1.5 rad/s leave more than 1 px between
+  /// views.
   PlaneSimulator(std::uint64_t seed, std::vector<Phase> phases);
 
   /// Of the standard recording: standstill, lateral, forward, mixed, pure rotation, standstill: 2.15 s.
