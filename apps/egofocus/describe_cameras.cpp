@@ -28,7 +28,8 @@ const char* state_of(const UsbSighting& camera) {
 }
 
 const char* speed_of(UsbSpeed speed) {
-  constexpr const char* kNames[] = {"unknown", "1.5 Mbit/s", "12 Mbit/s", "480 Mbit/s (USB 2)", "5 Gbit/s or more"};
+  constexpr const char* kNames[] = {"unknown", "1.5 Mbit/s", "12 Mbit/s", "480 Mbit/s (USB 2)",
+                                    "5 Gbit/s or more"};
   return kNames[static_cast<std::size_t>(speed)];
 }
 
@@ -64,8 +65,9 @@ Json describe(const UsbSighting& camera) {
     facts.add("width_px", info.size.width_px).add("height_px", info.size.height_px);
   if (!camera.status.ok()) facts.add("problem", line_of(camera.status));
   if (camera.has_slow_link)
-    facts.add("warning",
-              "USB 2 link: the camera or the system will drop events in busy scenes. Use a USB 3 port and cable.");
+    facts.add(
+        "warning",
+        "USB 2 link: the camera or the system will drop events in busy scenes. Use a USB 3 port and cable.");
   return facts;
 }
 

@@ -8,10 +8,12 @@
 namespace egofocus::app {
 
 void add_devices(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("devices", "list event cameras on USB and whether they can be used");
+  CLI::App* command =
+      program.add_subcommand("devices", "list event cameras on USB and whether they can be used");
   auto as_json = std::make_shared<bool>(false);
   command->add_flag("--json", *as_json, "one line of JSON");
-  command->footer("Exit codes: 0 a camera can be used, 10 there is none (or no USB in this build), 11 none can be used.");
+  command->footer(
+      "Exit codes: 0 a camera can be used, 10 there is none (or no USB in this build), 11 none can be used.");
   command->callback([as_json] {
     using recording::Error;
     using recording::ExitCode;
@@ -33,8 +35,9 @@ void add_devices(CLI::App& program) {
     if (*as_json || !cameras.empty()) std::puts((*as_json ? facts.json() : facts.text()).c_str());
     const ExitCode code = verdict(cameras);
     if (code == ExitCode::kNoDevice) {
-      throw Error(code, "devices",
-                  "no event camera on USB. Is it plugged in and powered (`lsusb`), and known (docs/devices.md)?");
+      throw Error(
+          code, "devices",
+          "no event camera on USB. Is it plugged in and powered (`lsusb`), and known (docs/devices.md)?");
     }
     if (code == ExitCode::kDevice)
       throw Error(code, "devices", "no camera can be used; `problem` above says why and what to do.");

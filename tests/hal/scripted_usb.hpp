@@ -52,6 +52,7 @@ struct Camera {
   std::vector<Ending> endings;
   std::size_t next_ending = 0;
   Bytes answer;
+  void (*after_read)(Camera& camera, std::uint32_t address) = nullptr;
 };
 
 class Usb {
@@ -182,6 +183,7 @@ class Usb {
       if (c.registers.count(address) == 0) return EPIPE;
       const std::uint32_t value = c.registers[address];
       for (std::size_t i = 0; i < 4; ++i) data[i] = static_cast<std::byte>(value >> (24 - 8 * i));
+      if (c.after_read != nullptr) c.after_read(c, address);
       return 0;
     }
     if (setup.request == 0xC2 && setup.type == 0x40 && data.size() == setup.value * 6u) {

@@ -161,7 +161,8 @@ TEST_CASE("each mistake in [can] is named, too") {
 
 TEST_CASE("[usb] sets a live camera, and each of its mistakes is named") {
   const std::string usb =
-      kCamera + "[usb]\nserial = \"00000346\"\nimu = true\nimu_axes = [\"z\", \"-x\", \"y\"]\nreopen = false\n";
+      kCamera +
+      "[usb]\nserial = \"00000346\"\nimu = true\nimu_axes = [\"z\", \"-x\", \"y\"]\nreopen = false\n";
   const std::string bias = "[[usb.biases]]\nname = \"OnBn\"\n";
   const CameraFile file = parse_camera_toml(
       usb + "transfers = 8\nsensitivity = \"high\"\n" + bias + "coarse = 5\nfine = 200\n", "camera.toml");
@@ -185,8 +186,10 @@ TEST_CASE("[usb] sets a live camera, and each of its mistakes is named") {
 
   CHECK_THAT(complaint(usb + "gain = 1\n"), Contains("[usb] has no key `gain`"));
   CHECK_THAT(complaint(usb + bias + "corse = 1\n"), Contains("[[usb.biases]] has no key `corse`"));
-  CHECK_THAT(complaint(usb + "[[usb.biases]]\ncoarse = 1\n"), Contains("[[usb.biases]] lacks the key `name`"));
-  CHECK_THAT(complaint(usb + "sensitivity = \"highest\"\n"), Contains("`sensitivity` must be one of \"very_low\""));
+  CHECK_THAT(complaint(usb + "[[usb.biases]]\ncoarse = 1\n"),
+             Contains("[[usb.biases]] lacks the key `name`"));
+  CHECK_THAT(complaint(usb + "sensitivity = \"highest\"\n"),
+             Contains("`sensitivity` must be one of \"very_low\""));
   CHECK_THAT(complaint(kCamera + "[usb]\nserial = \"" + std::string(24, '1') + "\"\n"),
              Contains("`serial`") && Contains("at most 23 characters"));
   CHECK_THAT(complaint(usb + "biases = 3\n"), Contains("must be a list of tables [[usb.biases]]"));
