@@ -21,9 +21,10 @@ namespace egofocus {
 Status check_usb_settings(const UsbCameraSettings& settings) noexcept;
 
 /// One camera. open() finds and identifies it; start() begins its start sequence, whose waits (DAVIS 0.3 s,
-/// IMX636 2.6 s) poll() works off without ever waiting longer than it may; then poll() streams. A camera that
-/// is unplugged, silent for a second or failing without end is closed with all that belongs to it, and with
-/// settings.reopen looked for again after 0.1 s, 0.2 s, ... 2 s, by its serial number.
+/// IMX636 2.6 s) poll() works off without waiting longer than it may; then poll() streams. A camera that is
+/// unplugged, silent for a second or failing without end is closed with all that belongs to it, and with
+/// settings.reopen looked for again after 0.1 s, 0.2 s, ... 2 s, by its serial number. Looking for it takes
+/// as long as the bus takes to answer: that poll may be late.
 ///
 /// Ours allocates nothing after open(); libusb does, for each transfer that is sent. Events and IMU samples
 /// keep the device's order; times are the host's (ClockMap).

@@ -163,10 +163,10 @@ void describe(Section& s, CanSetup& v) {
 }
 
 inline constexpr Names<UsbSensitivity, 5> kSensitivityNames{{{"very_low", UsbSensitivity::kVeryLow},
-                                                            {"low", UsbSensitivity::kLow},
-                                                            {"default", UsbSensitivity::kDefault},
-                                                            {"high", UsbSensitivity::kHigh},
-                                                            {"very_high", UsbSensitivity::kVeryHigh}}};
+                                                             {"low", UsbSensitivity::kLow},
+                                                             {"default", UsbSensitivity::kDefault},
+                                                             {"high", UsbSensitivity::kHigh},
+                                                             {"very_high", UsbSensitivity::kVeryHigh}}};
 
 template <typename Section>
 void describe(Section& s, UsbSetup& v) {

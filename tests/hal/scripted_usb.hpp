@@ -52,6 +52,8 @@ struct Camera {
   std::vector<Ending> endings;
   std::size_t next_ending = 0;
   Bytes answer;
+  void (*spoil_answer)(Bytes& answer) = nullptr;  // Prophesee
+  void (*after_read)(Camera& camera, std::uint32_t address) = nullptr;
 };
 
 class Usb {
@@ -182,6 +184,7 @@ class Usb {
       if (c.registers.count(address) == 0) return EPIPE;
       const std::uint32_t value = c.registers[address];
       for (std::size_t i = 0; i < 4; ++i) data[i] = static_cast<std::byte>(value >> (24 - 8 * i));
+      if (c.after_read != nullptr) c.after_read(c, address);
       return 0;
     }
     if (setup.request == 0xC2 && setup.type == 0x40 && data.size() == setup.value * 6u) {
@@ -209,6 +212,7 @@ class Usb {
       return ETIMEDOUT;
     }
     if (endpoint == 0x82) {
+      if (c.spoil_answer != nullptr) c.spoil_answer(c.answer);
       moved = c.answer.size();
       std::memcpy(data.data(), c.answer.data(), moved);
       return 0;

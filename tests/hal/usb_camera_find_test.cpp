@@ -168,6 +168,24 @@ TEST_CASE("USB: DVXplorer asks for more, Prophesee for its release, one device a
   }
 }
 
+TEST_CASE("USB: a Prophesee answer that is not the one asked for is an error, never a value") {
+  Usb bus;
+  bus.cameras = {evk4()};
+  bus.cameras[0].spoil_answer = GENERATE(
+      static_cast<void (*)(Bytes&)>([](Bytes& answer) { answer[0] ^= std::byte{1}; }),  // another property
+      [](Bytes& answer) { answer[3] |= std::byte{0x80}; },                              // refused
+      [](Bytes& answer) { answer[4] = std::byte{200}; },                                // more than came
+      [](Bytes& answer) { answer.resize(5); }, [](Bytes& answer) { answer.clear(); },
+      [](Bytes& answer) {
+        answer.resize(1000);
+        answer[4] = std::byte{0xE0};
+        answer[5] = std::byte{3};
+      });
+  const Status status = opened(bus);
+  CHECK(status.code() == StatusCode::kUnknownFirmware);
+  CHECK(status.value() == 0);
+}
+
 TEST_CASE("USB: settings out of range are refused before anything is opened") {
   Usb bus;
   bus.cameras = {davis346()};

@@ -183,6 +183,25 @@ TEST_CASE("USB: what the camera itself dropped is read once a second") {
   CHECK(bench.source.counters().device_dropped == 0x100000005);
 }
 
+TEST_CASE("USB: a counter of 64 bits that carries over while it is read is read again") {
+  Usb bus;
+  bus.cameras = {davis346()};
+  Bench bench(bus);
+  REQUIRE(bench.stream());
+  bus.cameras[0].registers[at(0, 83)] = 0;
+  bus.cameras[0].registers[at(0, 84)] = 0xfffffff0;
+  bus.cameras[0].after_read = [](Camera& camera, std::uint32_t address) {
+    if (address != at(0, 84) || camera.registers[at(0, 83)] == 1) return;
+    camera.registers[at(0, 83)] = 1;
+    camera.registers[at(0, 84)] = 3;
+  };
+  for (int i = 0; i < 110; ++i) {
+    bus.cameras[0].endings.push_back(words({wrap(1)}));
+    bench.poll(2);
+  }
+  CHECK(bench.source.counters().device_dropped == 0x100000003);
+}
+
 TEST_CASE("USB: polls are bounded while the camera is started and while it streams") {
   Usb bus;
   bus.cameras = {evk4()};
