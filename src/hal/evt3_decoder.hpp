@@ -26,8 +26,8 @@ class Evt3Decoder {
   /// Promise and protocol: see Decoded. Thread: one. RT: yes.
   Decoded feed(std::span<const std::byte> bytes, std::span<Event> out) noexcept;
 
-  /// Data before the next bytes were lost: half a word is dropped and counted, and nothing is given out before
-  /// the next TIME_HIGH; a row, and a vector's base, must come anew as well.
+  /// Data before the next bytes were lost: half a word is dropped and counted, and nothing is given out
+  /// before the next TIME_HIGH; a row, and a vector's base, must come anew as well.
   void resync() noexcept {
     drop_partial();
     time_high_.lose();

@@ -39,8 +39,8 @@ class EvtFrameEnd {
   }
 
   /// Copies what lies before the marker, or all without one, and reads at most kChunk bytes beyond that (a
-  /// mapped buffer may be slow to read). Returns the bytes; `is_marked` says whether there was a marker. Precondition: `to`
-  /// has room for `from`. Thread: any. RT: yes, O(bytes).
+  /// mapped buffer may be slow to read). Returns the bytes; `is_marked` says whether there was a marker.
+  /// Precondition: `to` has room for `from`. Thread: any. RT: yes, O(bytes).
   std::size_t copy(std::span<const std::byte> from, std::span<std::byte> to, bool& is_marked) const noexcept {
     is_marked = false;
     for (std::size_t at = 0; at < from.size();) {

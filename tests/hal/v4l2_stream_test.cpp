@@ -138,7 +138,8 @@ TEST_CASE("V4L2: both word orders of EVT2.1 end at the marker, and no mask of pi
   // The mask alone matches the marker's pattern.
   const std::uint32_t mask = 0xE0000019;
   bench.kernel.frame(stream({time_high(5), cd(1, 3, 32, 5, mask), end, cd(1, 3, 640, 9, 0xffff)}, is_legacy));
-  bench.poll();
+  const std::int64_t zero_us = bench.kernel.time.now_us() - 1000;
+  CHECK(bench.poll().watermark_us == zero_us + 5 * 64 + 3 - 1);
   CHECK(bench.columns() == Columns{32, 35, 36, 61, 62, 63});
   CHECK(bench.source->counters().unmarked_refused == 0);
 }
@@ -150,9 +151,13 @@ TEST_CASE("V4L2: EVT2 ends at the marker") {
   bench.kernel.controls["/dev/v4l-subdev2"][0].value = 0;
   bench.start();
   bench.kernel.frame(stream({time_high(0), 0xE019E019}));
+  bench.pass(1000);
   bench.kernel.frame(stream({time_high(1), cd(1, 3, 33, 5), other(0x14), 0xE019E019, cd(1, 3, 999, 9)}));
-  bench.poll();
-  CHECK(bench.columns() == Columns{33});
+  CHECK(bench.poll().watermark_us == bench.kernel.time.now_us() - 1000 + 64 + 3 - 1);
+  const std::vector<Event> events = bench.events();
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].x == 33);
+  CHECK(events[0].t_us == bench.kernel.time.now_us() - 1000 + 64 + 3);
 }
 
 TEST_CASE("V4L2: a buffer that the driver marks as damaged is dropped, with what hangs on it") {
