@@ -131,7 +131,8 @@ TEST_CASE("no reader ever gets a frame of two") {
     NumberedFrames frames;
     for (std::uint32_t n = 1; !stop.load(); ++n) {
       memory.publish(frames.frame(n));
-      if (n % 8 == 0) std::this_thread::sleep_for(std::chrono::microseconds(20));  // else the reader never gets through
+      if (n % 8 == 0)
+        std::this_thread::sleep_for(std::chrono::microseconds(20));  // else the reader never gets through
     }
   });
   Reader in_order(memory);
