@@ -144,7 +144,7 @@ def replay(program, recording, model, threads, ticks):
 
 
 def print_threads(counter, program, recording, model, threads):
-    """Of a tick's functions: what the busiest thread runs of each. Their sum is a bound of what more threads can bring."""
+    """Of a tick's functions: what the busiest thread runs of each. Their sum is a bound of what more threads can bring; returned."""
     short, longer = (counter.by_thread(*replay(program, recording, model, threads, ticks), cpu="cortex-a76") for ticks in (4, 12))
     each = {name: [(b - a) / 8 for a, b in zip(short.get(name, [0] * 8), counts)] for name, counts in longer.items()
             if not COMMAND_LINE.search(name) and not WAITING.search(name)}
@@ -156,6 +156,7 @@ def print_threads(counter, program, recording, model, threads):
     excess = {name: max(counts) - sum(counts) / threads for name, counts in each.items()}
     for name, count in sorted(excess.items(), key=lambda item: -item[1])[:10]:
         print(f"{count / 1e6:10.3f} of {sum(each[name]) / 1e6:7.2f}  {name}")
+    return {"threads": threads, "gain": everything / longest}
 
 
 def count_tick(counter, program, recording, model):
@@ -190,9 +191,10 @@ def main():
     if arguments.tick:
         folder = build("aarch64", "egofocus_app")
         if arguments.threads > 1:
-            return print_threads(Counter(folder), folder / "apps/egofocus/egofocus", *arguments.tick, arguments.threads)
-        tick = count_tick(Counter(folder), folder / "apps/egofocus/egofocus", *arguments.tick)
-        print_tick(tick)
+            tick = print_threads(Counter(folder), folder / "apps/egofocus/egofocus", *arguments.tick, arguments.threads)
+        else:
+            tick = count_tick(Counter(folder), folder / "apps/egofocus/egofocus", *arguments.tick)
+            print_tick(tick)
         if arguments.json:
             arguments.json.write_text(json.dumps(tick, indent=1) + "\n")
         return

@@ -16,8 +16,13 @@ void interleave(const std::uint8_t* planes, std::size_t plane_size, std::int32_t
   const std::uint8_t* from[kChannels];
   for (std::int32_t c = 0; c < kChannels; ++c)
     from[c] = planes + (c < count ? static_cast<std::size_t>(c) * plane_size : 0);
-  for (std::int32_t x = 0; x < width; ++x)
-    for (std::int32_t c = 0; c < kChannels; ++c) to[x * stride + c] = from[c][x];
+  if (stride == kChannels) {  // vector units interleave where there are no gaps
+    for (std::int32_t x = 0; x < width; ++x)
+      for (std::int32_t c = 0; c < kChannels; ++c) to[x * kChannels + c] = from[c][x];
+  } else {
+    for (std::int32_t x = 0; x < width; ++x)
+      for (std::int32_t c = 0; c < kChannels; ++c) to[x * stride + c] = from[c][x];
+  }
 }
 
 }  // namespace
