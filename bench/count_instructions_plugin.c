@@ -1,8 +1,8 @@
 // A plugin of qemu-user (API version 1: QEMU 4.2 to 8): executed instructions, in all and per function.
 //   qemu-aarch64 -plugin libcount_instructions_plugin.so,out=FILE PROGRAM
-// FILE gets a line a function, "COUNT NAME"; what has no name (shared libraries) stands under "?". With ",threads=on"
-// a line a function and thread, "COUNT THREAD NAME", thread 0 being the first: whole blocks, by the name that each begins with.
-// Debian packages no qemu-plugin.h, so the declarations in use stand here.
+// FILE gets a line a function, "COUNT NAME"; what has no name (shared libraries) stands under "?". With
+// ",threads=on" a line a function and thread, "COUNT THREAD NAME", thread 0 being the first: whole blocks, by
+// the name that each begins with. Debian packages no qemu-plugin.h, so the declarations in use stand here.
 #include <inttypes.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -123,30 +123,6 @@ void weigh_rows(const std::uint16_t* first, const std::uint16_t* second, const R
   });
 }
 
-// The same where all rows are there and both boxes whole: weights of 1, 2 .. 2 kReach + 1 .. 2, 1, as a sum
-// of sums from the middle outwards. `first` and `second`: row y - 2 kReach.
-template <std::int32_t kReach, bool kBoth>
-void weigh_whole_rows(const std::uint16_t* first, const std::uint16_t* second, std::int32_t width,
-                      std::uint32_t* __restrict out) noexcept {
-  in_blocks(width, [&]<std::int32_t kCells>(std::int32_t x) noexcept {
-    const auto row = [=](std::int32_t v, std::int32_t i) noexcept {
-      std::uint32_t value = first[v * width + i];
-      if (kBoth) value += second[v * width + i];
-      return value;
-    };
-    for (std::int32_t i = x; i < x + kCells; ++i) {
-      std::uint32_t within = row(2 * kReach, i);
-      std::uint32_t sum = within;
-#pragma GCC unroll 8
-      for (std::int32_t v = 1; v <= 2 * kReach; ++v) {
-        within += row(2 * kReach - v, i) + row(2 * kReach + v, i);
-        sum += within;
-      }
-      out[i] = sum;
-    }
-  });
-}
-
 // One box along a row of whole eights; `in` has kReach zeros on either side of what it points to.
 template <std::int32_t kReach>
 void box_line(const std::uint32_t* in, std::int32_t padded, std::uint32_t* __restrict out) noexcept {
@@ -166,17 +142,11 @@ void support(const std::uint16_t* first, const std::uint16_t* second, std::int32
   std::uint32_t* const boxed = columns + padded + 2 * kMostReach;
   for (std::uint32_t& v : line) v = 0;
   const RowWeights<kReach> rows(grid, y);
-  const bool whole = y >= 2 * kReach && y + 2 * kReach < grid.height;
-  const std::int32_t top = (y - 2 * kReach) * grid.width;
   for (std::int32_t k = 0; k < hypotheses; ++k) {
     const std::size_t plane = static_cast<std::size_t>(k) * grid.size();
     std::uint32_t* const to = out + static_cast<std::size_t>(k) * static_cast<std::size_t>(padded);
     std::uint32_t* const sum = kReach == 0 ? to : columns;
-    if (whole && second != nullptr) {
-      weigh_whole_rows<kReach, true>(first + plane + top, second + plane + top, grid.width, sum);
-    } else if (whole) {
-      weigh_whole_rows<kReach, false>(first + plane + top, nullptr, grid.width, sum);
-    } else if (second != nullptr) {
+    if (second != nullptr) {
       weigh_rows<kReach, true>(first + plane, second + plane, rows, grid.width, sum);
     } else {
       weigh_rows<kReach, false>(first + plane, nullptr, rows, grid.width, sum);
