@@ -1,4 +1,4 @@
-// The network's convolutions at 346x260, each with its memory: what the benchmarks run.
+// The networks' convolutions at 346x260, each with its memory: what the benchmarks run.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,12 @@ struct ConvLayer {
   std::int32_t rows;
   std::int32_t columns;
   ConvEpilogue epilogue;
-  std::int32_t times;             ///< in one tick of `base`
+  std::int32_t times;             ///< in one tick of the model whose layer it is
   std::int32_t output_pixel = 0;  ///< bytes, where the output is a part of another tensor's channels
   bool zeros_beyond = true;       ///< the border's byte is zero
 };
 
+/// Those of `base`.
 inline constexpr ConvLayer kConvLayers[] = {
     {"focus_3x3_8_8", 8, 8, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32, 0, false},
     {"focus_3x3_8_4", 8, 4, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32, 144},
@@ -45,6 +46,29 @@ inline constexpr ConvLayer kConvLayers[] = {
     {"refine_3x3d2_16_16", 16, 16, 3, 1, 2, 130, 173, ConvEpilogue::kRelu, 1},
     {"refine_3x3d4_16_16", 16, 16, 3, 1, 4, 130, 173, ConvEpilogue::kRelu, 1},
     {"refine_3x3_16_1", 16, 1, 3, 1, 1, 130, 173, ConvEpilogue::kScore, 1},
+};
+
+/// Those of `small`, whose hypotheses share convolutions in pairs.
+inline constexpr ConvLayer kSmallConvLayers[] = {
+    {"focus_3x3_4_4", 4, 4, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 32, 8, false},
+    {"focus_pair_3x3_8_4", 8, 4, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 16, 80},
+    {"mix_1x1_80_24", 80, 24, 1, 1, 1, 65, 87, ConvEpilogue::kRelu, 1},
+    {"block4_3x3_24_24", 24, 24, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 1},
+    {"block4_add_3x3_24_24", 24, 24, 3, 1, 1, 65, 87, ConvEpilogue::kAdd, 1},
+    {"down_3x3s2_24_40", 24, 40, 3, 2, 1, 33, 44, ConvEpilogue::kRelu, 1},
+    {"block8_3x3_40_40", 40, 40, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 2},
+    {"block8_add_3x3_40_40", 40, 40, 3, 1, 1, 33, 44, ConvEpilogue::kAdd, 2},
+    {"down_3x3s2_40_64", 40, 64, 3, 2, 1, 17, 22, ConvEpilogue::kRelu, 1},
+    {"block16_3x3_64_64", 64, 64, 3, 1, 1, 17, 22, ConvEpilogue::kRelu, 2},
+    {"block16_add_3x3_64_64", 64, 64, 3, 1, 1, 17, 22, ConvEpilogue::kAdd, 2},
+    {"up_1x1_64_40", 64, 40, 1, 1, 1, 17, 22, ConvEpilogue::kSmall, 1},
+    {"up_1x1_40_24", 40, 24, 1, 1, 1, 33, 44, ConvEpilogue::kSmall, 1},
+    {"score_1x1_24_32", 24, 32, 1, 1, 1, 65, 87, ConvEpilogue::kScore, 1},
+    {"score_pair_1x1_4_2", 4, 2, 1, 1, 1, 5655, 16, ConvEpilogue::kScore, 1},
+    {"guide_1x1_24_4", 24, 4, 1, 1, 1, 65, 87, ConvEpilogue::kRelu, 1},
+    {"refine_3x3_8_8", 8, 8, 3, 1, 1, 130, 173, ConvEpilogue::kRelu, 2},
+    {"refine_3x3d2_8_8", 8, 8, 3, 1, 2, 130, 173, ConvEpilogue::kRelu, 1},
+    {"refine_3x3_8_1", 8, 1, 3, 1, 1, 130, 173, ConvEpilogue::kScore, 1},
 };
 
 /// The shapes at which inference engines were counted on ARM (docs/kernels-conv.md).

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Instructions a multiply-add of each ARM body of conv_u8s8, executed under qemu-user with its counting plugin.
 
-usage: bench/count_instructions.py [--layers compared|base|all] [--compiler g++|clang] [--json FILE]
-       bench/count_instructions.py --tick RECORDING MODEL [--json FILE]
+usage: bench/count_instructions.py [--layers compared|base|small|all] [--compiler g++|clang] [--json FILE]
+       bench/count_instructions.py --tick RECORDING MODEL [--threads N] [--json FILE]
 
 Counted are warm calls, with the leaving of sums (requantisation) and everything else inside: the difference of one and
 of two calls. Each body is compiled by g++ and, where there is one, by clang (the presets aarch64 and aarch64-clang).
 --tick counts `egofocus replay --backend network` on one thread instead, by function: the difference of 4 and of 12 ticks,
 on a processor with SDOT and on one without, but for what the command line itself does. bench/model_loops.py makes times of it.
+--threads 2 tells instead how evenly the functions of a tick are spread over the threads, whatever else the machine does.
 
 Exit status: 0 done, 3 a tool is missing (the message names it).
 """
@@ -28,6 +29,8 @@ BODIES = ("neondot", "neonmm", "neon")
 CONVOLUTION = re.compile(r"9blocks_of|_1\d+conv_|leave_as|conv_u8s8")
 # The command line around a tick, which is compiled without optimisation: hashes of frames, counts for its report.
 COMMAND_LINE = re.compile(r"^_ZZ?N?K?(8egofocus3app|9__gnu_cxx|St)")
+# The pool itself: how long a thread waits is the machine's, not the tick's.
+WAITING = re.compile(r"10WorkerPool(10wait_while|4wake|4work|3run)|^pthread|^sched|futex|^syscall")
 COMPARED = ("3x3_32_32", "3x3_64_64", "1x1_64_64", "3x3s2_32_64")
 # XNNPACK and ncnn, counted in the same way (warm, requantisation included, the better of two compilers) on the same shapes.
 PEERS = {
@@ -85,19 +88,29 @@ class Counter:
         self.counts.unlink()
         return counted
 
+    def by_thread(self, *command, cpu="max"):
+        """function -> [instructions of each thread]"""
+        self.counts.unlink(missing_ok=True)
+        run(["qemu-aarch64", "-cpu", cpu, "-L", SYSROOT, "-plugin", f"{self.plugin},out={self.counts},threads=on", *command])
+        counted = collections.defaultdict(lambda: [0] * 8)
+        for line in self.counts.read_text().splitlines():
+            count, thread, name = line.split(maxsplit=2)
+            counted[name][int(thread)] += int(count)
+        self.counts.unlink()
+        return counted
+
     def all(self, *command):
         return sum(self.by_function(*command).values())
 
 
 def count_layers(counter, program, wanted):
-    """(body, layer) -> (instructions of a call, multiply-adds of a call, times in a tick)"""
+    """(body, layer) -> (instructions of a call, multiply-adds of a call, times in a tick, whose layer it is)"""
     listed = run(["qemu-aarch64", "-cpu", "max", "-L", SYSROOT, program])
     counted = {}
-    for body, layer, multiply_adds, times in (line.split() for line in listed.splitlines()):
-        compared = layer in COMPARED
-        if body in BODIES and (wanted == "all" or (wanted == "compared") == compared):
+    for body, layer, multiply_adds, times, of in (line.split() for line in listed.splitlines()):
+        if body in BODIES and wanted in ("all", of):
             calls = [counter.all(program, body, layer, n) for n in (1, 2)]
-            counted[body, layer] = (calls[1] - calls[0], float(multiply_adds), int(times))
+            counted[body, layer] = (calls[1] - calls[0], float(multiply_adds), int(times), of)
     return counted
 
 
@@ -112,26 +125,45 @@ def print_compared(results):
         print("  goal".ljust(28) + "".join(f"{value:14.3f}" for value in GOALS[body]))
 
 
-def print_base(results):
+def print_model(results, model):
     columns = [(body, compiler) for body in BODIES for compiler in results]
-    print("\nlayers of `base`, instructions a multiply-add".ljust(47) + "".join(f"{b + ' ' + c:>15}" for b, c in columns))
-    layers = [layer for body, layer in next(iter(results.values())) if body == BODIES[0] and layer not in COMPARED]
+    print(f"\nlayers of `{model}`, instructions a multiply-add".ljust(47) + "".join(f"{b + ' ' + c:>15}" for b, c in columns))
+    layers = [layer for (body, layer), (*_, of) in next(iter(results.values())).items() if body == BODIES[0] and of == model]
     for layer in layers:
         values = (results[c][b, layer][0] / results[c][b, layer][1] for b, c in columns)
         print(layer.ljust(46) + "".join(f"{value:15.4f}" for value in values))
     sums = {}
     for body, compiler in columns:
         rows = [results[compiler][body, layer] for layer in layers]
-        sums[body, compiler] = sum(count * times for count, _, times in rows)
+        sums[body, compiler] = sum(count * times for count, _, times, _ in rows)
     print("all of a tick, million instructions".ljust(46) + "".join(f"{sums[key] / 1e6:15.1f}" for key in columns))
+
+
+def replay(program, recording, model, threads, ticks):
+    return (program, "replay", recording, "--backend", "network", "--model", model, "--threads", str(threads), "--ticks", str(ticks))
+
+
+def print_threads(counter, program, recording, model, threads):
+    """Of a tick's functions: what the busiest thread runs of each. Their sum is a bound of what more threads can bring; returned."""
+    short, longer = (counter.by_thread(*replay(program, recording, model, threads, ticks), cpu="cortex-a76") for ticks in (4, 12))
+    each = {name: [(b - a) / 8 for a, b in zip(short.get(name, [0] * 8), counts)] for name, counts in longer.items()
+            if not COMMAND_LINE.search(name) and not WAITING.search(name)}
+    everything, longest = sum(map(sum, each.values())), sum(map(max, each.values()))
+    by_thread = [sum(counts[t] for counts in each.values()) / 1e6 for t in range(threads)]
+    print("\nmillion instructions a tick by thread: " + "  ".join(f"{count:.1f}" for count in by_thread) +
+          f"\nall / the busiest thread's of each function: {everything / longest:.3f}\n"
+          "million instructions by which the busiest thread has more than its share:")
+    excess = {name: max(counts) - sum(counts) / threads for name, counts in each.items()}
+    for name, count in sorted(excess.items(), key=lambda item: -item[1])[:10]:
+        print(f"{count / 1e6:10.3f} of {sum(each[name]) / 1e6:7.2f}  {name}")
+    return {"threads": threads, "gain": everything / longest}
 
 
 def count_tick(counter, program, recording, model):
     """Body -> instructions of a tick: those of the convolutions, and the rest by function."""
     counted = {}
     for body, cpu in (("neondot", "cortex-a76"), ("neon", "cortex-a72")):
-        short, longer = (counter.by_function(program, "replay", recording, "--backend", "network", "--model", model,
-                                             "--threads", "1", "--ticks", str(ticks), cpu=cpu) for ticks in (4, 12))
+        short, longer = (counter.by_function(*replay(program, recording, model, 1, ticks), cpu=cpu) for ticks in (4, 12))
         each = {name: (count - short[name]) / 8 for name, count in longer.items()
                 if count != short[name] and not COMMAND_LINE.search(name)}
         convolutions = sum(count for name, count in each.items() if CONVOLUTION.search(name))
@@ -149,16 +181,20 @@ def print_tick(counted):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--layers", choices=("compared", "base", "all"), default="all")
+    parser.add_argument("--layers", choices=("compared", "base", "small", "all"), default="all")
     parser.add_argument("--compiler", choices=("g++", "clang"), help="one of them alone")
     parser.add_argument("--tick", nargs=2, metavar=("RECORDING", "MODEL"))
+    parser.add_argument("--threads", type=int, default=1, metavar="N")
     parser.add_argument("--json", type=pathlib.Path)
     arguments = parser.parse_args()
     found = compilers()
     if arguments.tick:
         folder = build("aarch64", "egofocus_app")
-        tick = count_tick(Counter(folder), folder / "apps/egofocus/egofocus", *arguments.tick)
-        print_tick(tick)
+        if arguments.threads > 1:
+            tick = print_threads(Counter(folder), folder / "apps/egofocus/egofocus", *arguments.tick, arguments.threads)
+        else:
+            tick = count_tick(Counter(folder), folder / "apps/egofocus/egofocus", *arguments.tick)
+            print_tick(tick)
         if arguments.json:
             arguments.json.write_text(json.dumps(tick, indent=1) + "\n")
         return
@@ -168,14 +204,15 @@ def main():
             continue
         folder = build(preset, "run_conv")
         results[name] = count_layers(Counter(folder), folder / "bench/run_conv", arguments.layers)
-    if arguments.layers != "base":
+    if arguments.layers in ("compared", "all"):
         print_compared(results)
-    if arguments.layers != "compared":
-        print_base(results)
+    for model in ("base", "small"):
+        if arguments.layers in (model, "all"):
+            print_model(results, model)
     if arguments.json:
         rows = [{"compiler": compiler, "body": body, "layer": layer, "instructions": count,
                  "multiply_adds": multiply_adds, "times_in_a_tick": times}
-                for compiler, counted in results.items() for (body, layer), (count, multiply_adds, times) in counted.items()]
+                for compiler, counted in results.items() for (body, layer), (count, multiply_adds, times, _) in counted.items()]
         arguments.json.write_text(json.dumps({"counted": rows, "peers": PEERS, "goals": GOALS}, indent=1) + "\n")
 
 

@@ -1,7 +1,8 @@
 // A plugin of qemu-user (API version 1: QEMU 4.2 to 8): executed instructions, in all and per function.
 //   qemu-aarch64 -plugin libcount_instructions_plugin.so,out=FILE PROGRAM
-// FILE gets a line a function, "COUNT NAME"; what has no name (shared libraries) stands under "?".
-// Debian packages no qemu-plugin.h, so the declarations in use stand here.
+// FILE gets a line a function, "COUNT NAME"; what has no name (shared libraries) stands under "?". With
+// ",threads=on" a line a function and thread, "COUNT THREAD NAME", thread 0 being the first: whole blocks, by
+// the name that each begins with. Debian packages no qemu-plugin.h, so the declarations in use stand here.
 #include <inttypes.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -13,6 +14,9 @@ typedef struct qemu_info qemu_info_t;
 struct qemu_plugin_tb;
 struct qemu_plugin_insn;
 enum qemu_plugin_op { QEMU_PLUGIN_INLINE_ADD_U64 };
+enum qemu_plugin_cb_flags { QEMU_PLUGIN_CB_NO_REGS };
+void qemu_plugin_register_vcpu_tb_exec_cb(struct qemu_plugin_tb* tb, void (*callback)(unsigned int, void*),
+                                          enum qemu_plugin_cb_flags flags, void* data);
 void qemu_plugin_register_vcpu_tb_trans_cb(qemu_plugin_id_t id,
                                            void (*callback)(qemu_plugin_id_t, struct qemu_plugin_tb*));
 void qemu_plugin_register_atexit_cb(qemu_plugin_id_t id, void (*callback)(qemu_plugin_id_t, void*),
@@ -27,13 +31,14 @@ const char* qemu_plugin_insn_symbol(const struct qemu_plugin_insn* insn);
 EGOFOCUS_PLUGIN int qemu_plugin_version = 1;
 EGOFOCUS_PLUGIN int qemu_plugin_install(qemu_plugin_id_t id, const qemu_info_t* info, int argc, char** argv);
 
+enum { kThreads = 8, kFunctions = 1 << 16 };  // a power of two, beyond any program's here
 struct function {
   char* name;
-  uint64_t count;
+  uint64_t count[kThreads];
 };
-enum { kFunctions = 1 << 16 };  // a power of two, beyond any program's here
 static struct function functions[kFunctions];
 static const char* path;
+static int by_thread;
 
 static uint64_t* counter_of(const char* name) {
   uint32_t hash = 2166136261u;
@@ -41,18 +46,41 @@ static uint64_t* counter_of(const char* name) {
   for (int tries = 0; tries < kFunctions; ++tries, ++hash) {
     struct function* function = &functions[hash % kFunctions];
     if (function->name == NULL) function->name = strdup(name);
-    if (strcmp(function->name, name) == 0) return &function->count;
+    if (strcmp(function->name, name) == 0) return function->count;
   }
   abort();
+}
+
+// A block on its way to be run.
+struct block {
+  uint64_t* counts;
+  size_t instructions;
+};
+
+static void on_block(unsigned int thread, void* data) {
+  const struct block* block = data;
+  if (thread < kThreads) block->counts[thread] += block->instructions;
+}
+
+static const char* name_of(const struct qemu_plugin_insn* insn) {
+  const char* name = qemu_plugin_insn_symbol(insn);
+  return name != NULL && *name != 0 ? name : "?";
 }
 
 static void on_translation(qemu_plugin_id_t id, struct qemu_plugin_tb* tb) {
   (void)id;
   const size_t count = qemu_plugin_tb_n_insns(tb);
+  if (by_thread) {
+    struct block* block = malloc(sizeof *block);  // lives as long as the program
+    if (block == NULL) abort();
+    block->counts = counter_of(name_of(qemu_plugin_tb_get_insn(tb, 0)));
+    block->instructions = count;
+    qemu_plugin_register_vcpu_tb_exec_cb(tb, on_block, QEMU_PLUGIN_CB_NO_REGS, block);
+    return;
+  }
   for (size_t i = 0; i < count; ++i) {
     struct qemu_plugin_insn* insn = qemu_plugin_tb_get_insn(tb, i);
-    const char* name = qemu_plugin_insn_symbol(insn);
-    uint64_t* counter = counter_of(name != NULL && *name != 0 ? name : "?");
+    uint64_t* counter = counter_of(name_of(insn));
     qemu_plugin_register_vcpu_insn_exec_inline(insn, QEMU_PLUGIN_INLINE_ADD_U64, counter, 1);
   }
 }
@@ -65,14 +93,19 @@ static void on_exit_of_program(qemu_plugin_id_t id, void* data) {
     return;
   }
   for (int i = 0; i < kFunctions; ++i) {
-    if (functions[i].count != 0) fprintf(file, "%" PRIu64 " %s\n", functions[i].count, functions[i].name);
+    for (int thread = 0; thread < kThreads; ++thread) {
+      const uint64_t count = functions[i].count[thread];
+      if (count != 0 && by_thread) fprintf(file, "%" PRIu64 " %d %s\n", count, thread, functions[i].name);
+      if (count != 0 && !by_thread) fprintf(file, "%" PRIu64 " %s\n", count, functions[i].name);
+    }
   }
   fclose(file);
 }
 
 int qemu_plugin_install(qemu_plugin_id_t id, const qemu_info_t* info, int argc, char** argv) {
   (void)info;
-  if (argc != 1 || strncmp(argv[0], "out=", 4) != 0) {
+  by_thread = argc == 2 && strcmp(argv[1], "threads=on") == 0;
+  if (argc != 1 + by_thread || strncmp(argv[0], "out=", 4) != 0) {
     fprintf(stderr, "count_instructions_plugin: out=FILE is missing\n");
     return 1;
   }

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Inner loops by their object code: cycles that llvm-mca models for ARM cores, and instructions.
 
-usage: bench/model_loops.py [--tick FILE]
+usage: bench/model_loops.py [--tick FILE [--threads FILE]]
        bench/model_loops.py --count OBJDUMP OBJECT...
 
 The first form takes the bodies of conv_u8s8 that bench/count_instructions.py compiled with g++, finds in each the loop with
 the most multiplications, and prints its share of the multiplier's peak on each core; operands in the first cache are
-assumed, as llvm-mca does. --tick FILE, of `count_instructions.py --tick --json FILE`, projects the time of a tick.
+assumed, as llvm-mca does. --tick FILE, of `count_instructions.py --tick --json FILE`, projects the time of a tick; --threads FILE, of
+the same with --threads N, that on N cores, of which none waits for memory or to be woken.
 The second form counts the longest loop of each requantisation candidate: one straight loop each.
 
 Exit status: 0 done, 3 a tool or an object is missing (the message names it).
@@ -127,21 +128,23 @@ def model(mca, build):
     return rate
 
 
-def project(rate, tick):
-    print(f"\n{'board':18}{'core':12}{'GHz':>5}{'convolutions':>14}{'rest':>8}{'IPC of rest':>13}{'tick':>8}{'rate':>9}")
+def project(rate, tick, spread):
+    several = f"{spread['threads']} cores".rjust(12) if spread else ""
+    print(f"\n{'board':18}{'core':12}{'GHz':>5}{'convolutions':>14}{'rest':>8}{'IPC of rest':>13}{'tick':>8}{'rate':>9}{several}")
     for board, core, clock_ghz, rest_rate in BOARDS:
         counted = tick["neon" if core == "Cortex-A72" else "neondot"]
         convolutions_ms = counted["convolutions"] / rate[core] / clock_ghz / 1e6
         rest_ms = counted["rest"] / rest_rate / clock_ghz / 1e6
         whole_ms = convolutions_ms + rest_ms
         print(f"{board:18}{core:12}{clock_ghz:5.1f}{convolutions_ms:11.1f} ms{rest_ms:5.1f} ms{rest_rate:13.1f}"
-              f"{whole_ms:5.1f} ms{1000 / whole_ms:6.1f} Hz")
+              f"{whole_ms:5.1f} ms{1000 / whole_ms:6.1f} Hz" + (f"{1000 / whole_ms * spread['gain']:9.1f} Hz" if spread else ""))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/aarch64")
     parser.add_argument("--tick", type=pathlib.Path)
+    parser.add_argument("--threads", type=pathlib.Path)
     parser.add_argument("--count", nargs="+")
     arguments = parser.parse_args()
     if arguments.count:
@@ -153,7 +156,7 @@ def main():
             sys.exit(3)
     rate = model(mca, arguments.build)
     if arguments.tick:
-        project(rate, json.loads(arguments.tick.read_text()))
+        project(rate, json.loads(arguments.tick.read_text()), json.loads(arguments.threads.read_text()) if arguments.threads else None)
 
 
 main()

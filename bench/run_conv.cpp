@@ -1,6 +1,7 @@
 // Runs one body of conv_u8s8 on one layer, so that count_instructions.py can count it: the difference of two
 // numbers of calls is what warm calls take.
-//   run_conv             lists "BODY LAYER MULTIPLY-ADDS TIMES-IN-A-TICK", a line each
+//   run_conv             lists "BODY LAYER MULTIPLY-ADDS TIMES-IN-A-TICK OF", a line each; OF: a model, or
+//                        `compared`
 //   run_conv BODY LAYER CALLS
 #include <cstdio>
 #include <cstdlib>
@@ -28,8 +29,9 @@ constexpr Body kBodies[] = {
 
 template <typename Visit>
 void each_layer(Visit visit) {
-  for (const ConvLayer& layer : kComparedConvLayers) visit(layer);
-  for (const ConvLayer& layer : kConvLayers) visit(layer);
+  for (const ConvLayer& layer : kComparedConvLayers) visit(layer, "compared");
+  for (const ConvLayer& layer : kConvLayers) visit(layer, "base");
+  for (const ConvLayer& layer : kSmallConvLayers) visit(layer, "small");
 }
 
 }  // namespace
@@ -41,10 +43,10 @@ int main(int argc, char** argv) {
   }
   bool found = argc == 1;
   for (const Body& body : kBodies) {
-    each_layer([&](const ConvLayer& layer) {
+    each_layer([&](const ConvLayer& layer, const char* of) {
       if (argc == 1) {
         const ConvLoad load(layer, body.packing);
-        std::printf("%s %s %.0f %d\n", body.name, layer.name, load.multiplications(), layer.times);
+        std::printf("%s %s %.0f %d %s\n", body.name, layer.name, load.multiplications(), layer.times, of);
       } else if (body.name == std::string(argv[1]) && layer.name == std::string(argv[2])) {
         const ConvLoad load(layer, body.packing);
         found = true;

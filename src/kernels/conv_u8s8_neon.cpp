@@ -148,10 +148,122 @@ constexpr int kMostPixels = 2;  // 16 registers
 #endif
 constexpr ConvBody kBody{kConvPacking_neon, 4, 1, {neon_widths<Tile, kMostPixels, 1>()}, EGOFOCUS_LEAVE};
 
+// --- 3x3 with 4 or 8 inputs: several taps in a register ---
+
+/// Taps in the order in which they fill registers. Neighbours that are read as one stand together.
+constexpr int kGathered[9] = {0, 1, 3, 4, 6, 7, 2, 5, 8};
+
+inline int8x16_t both(int8x8_t low, int8x8_t high) noexcept {
+  return vcombine_s8(low, high);
+}
+
+inline int8x8_t two_fours(const std::int8_t* low, const std::int8_t* high) noexcept {
+  return vreinterpret_s8_s32(
+      vzip_s32(vreinterpret_s32_s8(four_bytes(low)), vreinterpret_s32_s8(four_bytes(high))).val[0]);
+}
+
+/// Dense pixels at stride 1. kAdjacent: dilation 1, so that a row's taps follow each other in memory.
+template <int kChannels, bool kAdjacent, int kPixelCount, int kUnitCount>
+struct GatheringTile : Tile<kPixelCount, kUnitCount> {
+  using Tile<kPixelCount, kUnitCount>::acc;
+  static constexpr int kPixels = kPixelCount;
+  static constexpr int kRegisters = 9 * kChannels / 16;  // full ones; the last tap is left over
+
+  static EGOFOCUS_INLINE int8x16_t gathered(const std::int8_t* const* taps, int r, std::int64_t at) noexcept {
+    if constexpr (kChannels == 8) {
+      const std::int8_t* const first = taps[kGathered[2 * r]] + at;
+      if (kAdjacent && r < 3) return vld1q_s8(first);
+      return both(vld1_s8(first), vld1_s8(taps[kGathered[2 * r + 1]] + at));
+    } else {
+      if (r == 0) return both(vld1_s8(taps[0] + at), vld1_s8(taps[3] + at));
+      return both(vld1_s8(taps[6] + at), two_fours(taps[2] + at, taps[5] + at));
+    }
+  }
+
+  template <bool kFirst>
+  EGOFOCUS_INLINE void add_16(const int8x16_t* x, const std::int8_t* weights) noexcept {
+    EGOFOCUS_UNROLL
+    for (int o = 0; o < 4; ++o) {
+      const int8x16_t w = vld1q_s8(weights + 16 * o);
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < kPixels; ++p) {
+        const int16x8_t products = products_16(x[p], w);
+        acc[p][o] = kFirst ? vpaddlq_s16(products) : vpadalq_s16(acc[p][o], products);
+      }
+    }
+  }
+
+  EGOFOCUS_INLINE void add(const ConvBlock& block, const ConvRuns& runs) noexcept {
+    const std::int8_t* taps[9];
+    EGOFOCUS_UNROLL
+    for (int t = 0; t < 9; ++t) taps[t] = with_sign(block.input) + runs.offset[t];
+    EGOFOCUS_UNROLL
+    for (int r = 0; r < kRegisters; ++r) {
+      int8x16_t x[kPixels];
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < kPixels; ++p) x[p] = gathered(taps, r, p * kChannels);
+      if (r == 0) {
+        add_16<true>(x, block.weights);
+      } else {
+        add_16<false>(x, block.weights + 64 * r);
+      }
+    }
+    int8x8_t x[kPixels];
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPixels; ++p) {
+      const std::int8_t* const last = taps[8] + p * kChannels;
+      x[p] = kChannels == 8 ? vld1_s8(last) : four_bytes(last);
+    }
+    this->add_8(x, block.weights + 64 * kRegisters);
+  }
+};
+template <int kPixels, int kUnits>
+using FourAdjacent = GatheringTile<4, true, kPixels, kUnits>;
+template <int kPixels, int kUnits>
+using EightAdjacent = GatheringTile<8, true, kPixels, kUnits>;
+template <int kPixels, int kUnits>
+using EightApart = GatheringTile<8, false, kPixels, kUnits>;
+
+template <template <int, int> typename GatheringTile>
+constexpr ConvBody gathering_body() noexcept {
+  return {kConvPacking_neon, 4, 1, {neon_widths<GatheringTile, kMostPixels, 1>()}, EGOFOCUS_LEAVE};
+}
+constexpr ConvBody kFourAdjacent = gathering_body<FourAdjacent>();
+constexpr ConvBody kEightAdjacent = gathering_body<EightAdjacent>();
+constexpr ConvBody kEightApart = gathering_body<EightApart>();
+
+constexpr std::int32_t kMostGathered = 64;  // outputs
+
+/// Whether it was such a layer; then it is done. Its weights, packed a tap a register, are gathered anew for
+/// the call: as much work as a few pixels.
+inline bool gathered_alone(const ConvU8S8& given) noexcept {
+  constexpr std::int32_t kTile = 9 * 64;
+  const std::int32_t channels = given.in_channels;
+  const bool adjacent = given.dilation == 1;
+  if (given.side != 3 || given.stride != 1 || given.input_pixel_stride != channels ||
+      !(channels == 8 || (channels == 4 && adjacent)) || given.out_channels > kMostGathered)
+    return false;
+  alignas(16) std::int8_t weights[kMostGathered / 4 * kTile];
+  for (std::int32_t at = 0; at < (given.out_channels + 3) / 4 * kTile; at += kTile) {
+    __builtin_memset(weights + at, 0, kTile);
+    for (std::int32_t t = 0; t < 9; ++t) {
+      const std::int8_t* const from = given.packed.weights + at + kGathered[t] * 64;
+      std::int8_t* const to = weights + at + t * channels / 16 * 64 + t * channels % 16;
+      for (std::int32_t o = 0; o < 4; ++o)
+        __builtin_memcpy(to + 16 * o, from + 16 * o, static_cast<std::size_t>(channels));
+    }
+  }
+  ConvU8S8 conv = given;
+  conv.packed.weights = weights;
+  conv.zeros_beyond = false;  // all nine taps, always
+  conv_by_blocks(conv, channels == 4 ? kFourAdjacent : (adjacent ? kEightAdjacent : kEightApart));
+  return true;
+}
+
 }  // namespace
 
 void conv_u8s8_neon(const ConvU8S8& conv) noexcept {
-  if (!scored_alone(conv)) conv_by_blocks(conv, kBody);
+  if (!scored_alone(conv, kBody.packing.group_inputs) && !gathered_alone(conv)) conv_by_blocks(conv, kBody);
 }
 
 }  // namespace egofocus

@@ -93,7 +93,7 @@ constexpr ConvBody kBody{kConvPacking_neondot,
 }  // namespace
 
 void conv_u8s8_neondot(const ConvU8S8& conv) noexcept {
-  if (!scored_alone(conv)) conv_by_blocks(conv, kBody);
+  if (!scored_alone(conv, kBody.packing.group_inputs)) conv_by_blocks(conv, kBody);
 }
 
 }  // namespace egofocus

@@ -195,7 +195,7 @@ constexpr ConvBody kBody{kConvPacking_neonmm,
 }  // namespace
 
 void conv_u8s8_neonmm(const ConvU8S8& conv) noexcept {
-  if (!scored_alone(conv)) conv_by_blocks(conv, kBody);
+  if (!scored_alone(conv, kBody.packing.group_inputs)) conv_by_blocks(conv, kBody);
 }
 
 }  // namespace egofocus

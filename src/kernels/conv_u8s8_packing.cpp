@@ -18,7 +18,7 @@ struct PackedSizes {
 
 PackedSizes sizes_of(const ConvPacking& packing, const ConvWeights& layer) noexcept {
   PackedSizes sizes{};
-  sizes.outputs = whole(layer.out_channels, packing.tile_outputs);
+  sizes.outputs = whole(std::int64_t{layer.copies} * layer.out_channels, packing.tile_outputs);
   sizes.inputs = whole(layer.in_channels, packing.group_inputs);
   sizes.weights = whole(sizes.outputs * layer.side * layer.side * sizes.inputs, kConvPackedAlignment);
   sizes.per_channel = whole(sizes.outputs * 4, kConvPackedAlignment);
@@ -41,19 +41,21 @@ PackedConv pack_conv_u8s8(const ConvPacking& packing, const ConvWeights& layer, 
   const std::int64_t taps = std::int64_t{layer.side} * layer.side;
   const std::int64_t groups = sizes.inputs / packing.group_inputs;
   const std::int64_t block = std::int64_t{packing.tile_outputs} * packing.group_inputs;
-  for (std::int64_t o = 0; o < layer.out_channels; ++o) {
+  for (std::int64_t o = 0; o < std::int64_t{layer.copies} * layer.out_channels; ++o) {
+    const std::int64_t source = o % layer.out_channels;
+    const std::int64_t first = o / layer.out_channels * (layer.in_channels / layer.copies);
     const std::int64_t tile = o / packing.tile_outputs;
     const std::int64_t in_tile = o % packing.tile_outputs;
     for (std::int64_t tap = 0; tap < taps; ++tap) {
       for (std::int64_t i = 0; i < layer.source_channels; ++i) {
-        const std::int64_t group = i / packing.group_inputs;
-        const std::int64_t in_group = i % packing.group_inputs;
+        const std::int64_t group = (first + i) / packing.group_inputs;
+        const std::int64_t in_group = (first + i) % packing.group_inputs;
         weights[((tile * taps + tap) * groups + group) * block + in_tile * packing.group_inputs + in_group] =
-            layer.weights[(o * taps + tap) * layer.source_channels + i];
+            layer.weights[(source * taps + tap) * layer.source_channels + i];
       }
     }
-    bias[o] = layer.bias[o];
-    scale[o] = layer.scale[o];
+    bias[o] = layer.bias[source];
+    scale[o] = layer.scale[source];
   }
   return {weights, bias, scale};
 }

@@ -17,10 +17,13 @@ struct ConvWeights {
   const std::int8_t* weights = nullptr;  ///< [out_channels][side][side][source_channels], -127..127
   const std::int32_t* bias = nullptr;    ///< [out_channels]
   const float* scale = nullptr;          ///< [out_channels]
-  std::int32_t source_channels = 0;      ///< 1..in_channels; what is missing to in_channels gets weight 0
+  std::int32_t source_channels = 0;      ///< 1..in_channels / copies; what is missing gets weight 0
   std::int32_t in_channels = 0;          ///< those of the input tensor, padded to a multiple of 4
   std::int32_t out_channels = 0;
   std::int32_t side = 1;
+  /// The layer so many times beside itself: copy c reads source_channels from channel c * in_channels /
+  /// copies on, and writes outputs c * out_channels and the following. Divides in_channels.
+  std::int32_t copies = 1;
 };
 
 /// Views into the memory that pack_conv_u8s8 filled; bias and scale end with zeros up to a whole tile.

@@ -6,12 +6,12 @@ namespace egofocus {
 
 static_assert(Arena::kAlignment % kConvPackedAlignment == 0);
 
-ConvLayer::ConvLayer(const ModelLayer& layer, std::int32_t channels, const KernelTable& kernels,
-                     Arena& arena) noexcept
+ConvLayer::ConvLayer(const ModelLayer& layer, std::int32_t channels, const KernelTable& kernels, Arena& arena,
+                     std::int32_t copies) noexcept
     : run_(kernels.conv_u8s8.run) {
-  EGOFOCUS_CHECK(channels % 4 == 0 && channels >= layer.shape.inputs);
+  EGOFOCUS_CHECK(channels % 4 == 0 && channels % copies == 0 && channels / copies >= layer.shape.inputs);
   conv_.in_channels = channels;
-  conv_.out_channels = layer.shape.outputs;
+  conv_.out_channels = copies * layer.shape.outputs;
   conv_.side = layer.shape.side;
   conv_.stride = layer.shape.stride;
   conv_.dilation = layer.shape.dilation;
@@ -24,6 +24,7 @@ ConvLayer::ConvLayer(const ModelLayer& layer, std::int32_t channels, const Kerne
   weights.in_channels = channels;
   weights.out_channels = layer.shape.outputs;
   weights.side = layer.shape.side;
+  weights.copies = copies;
   const ConvPacking& packing = kernels.conv_u8s8.packing;
   const auto bytes = static_cast<std::size_t>(conv_packed_bytes(packing, weights));
   const std::span<std::byte> memory = arena.array<std::byte>(bytes);

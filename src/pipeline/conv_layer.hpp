@@ -13,9 +13,10 @@ namespace egofocus {
 class ConvLayer {
  public:
   ConvLayer() noexcept = default;
-  /// Packs into the arena. `channels` of the input tensor: a multiple of 4, at least the layer's inputs.
-  ConvLayer(const ModelLayer& layer, std::int32_t channels, const KernelTable& kernels,
-            Arena& arena) noexcept;
+  /// Packs into the arena. `channels` of the input tensor: a multiple of 4, at least the layer's inputs for
+  /// each of the `copies` (ConvWeights::copies).
+  ConvLayer(const ModelLayer& layer, std::int32_t channels, const KernelTable& kernels, Arena& arena,
+            std::int32_t copies = 1) noexcept;
 
   [[nodiscard]] std::int32_t outputs() const noexcept { return conv_.out_channels; }
 

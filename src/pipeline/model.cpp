@@ -137,7 +137,7 @@ Status read_facts(std::span<const std::byte> bytes, const Sections::Piece& piece
   out.grid_width_px = in.number("grid width", 0, 1280);
   out.grid_height_px = in.number("grid height", 0, 1280);
   out.focus_layers = in.number("convolutions per hypothesis", 1, 2);
-  out.cost_channels = in.number("channels per hypothesis", 4, 16, 4);
+  out.cost_channels = in.number("channels per hypothesis", 2, 16, 2);
   for (std::int32_t& width : out.widths) width = in.number("width", 4, 512, 4);
   for (std::int32_t& blocks : out.blocks) blocks = in.number("blocks", 0, 8);
   for (std::int32_t& blocks : out.up_blocks) blocks = in.number("blocks on the way up", 0, 8);

@@ -23,8 +23,8 @@ struct ModelFacts {
   std::int32_t grid_height_px = 0;
   std::int32_t focus_layers = 0;   ///< convolutions per hypothesis: 1 or 2
   std::int32_t cost_hidden = 0;    ///< channels between the two
-  std::int32_t cost_channels = 0;  ///< per hypothesis
-  std::int32_t widths[3] = {};     ///< channels at 1/4, 1/8, 1/16: multiples of 4, like all channels inside
+  std::int32_t cost_channels = 0;  ///< per hypothesis: even; all other channels inside are multiples of 4
+  std::int32_t widths[3] = {};     ///< channels at 1/4, 1/8, 1/16
   std::int32_t blocks[3] = {};     ///< residual blocks on the way down
   std::int32_t up_blocks[2] = {};  ///< on the way up, at 1/4 and 1/8
   std::int32_t refine_width = 0;

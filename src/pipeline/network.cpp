@@ -8,16 +8,21 @@
 namespace egofocus {
 namespace {
 
-// A row of `count` planes, a pixel's bytes side by side. Channels that have no plane have no weights either:
-// they repeat the first.
+// A row of `count` planes, a pixel's bytes side by side, `stride` to the next one's. Channels that have no
+// plane have no weights either: they repeat the first.
 template <std::int32_t kChannels>
 void interleave(const std::uint8_t* planes, std::size_t plane_size, std::int32_t count, std::int32_t width,
-                std::uint8_t* __restrict to) noexcept {
+                std::int32_t stride, std::uint8_t* __restrict to) noexcept {
   const std::uint8_t* from[kChannels];
   for (std::int32_t c = 0; c < kChannels; ++c)
     from[c] = planes + (c < count ? static_cast<std::size_t>(c) * plane_size : 0);
-  for (std::int32_t x = 0; x < width; ++x)
-    for (std::int32_t c = 0; c < kChannels; ++c) to[x * kChannels + c] = from[c][x];
+  if (stride == kChannels) {  // vector units interleave where there are no gaps
+    for (std::int32_t x = 0; x < width; ++x)
+      for (std::int32_t c = 0; c < kChannels; ++c) to[x * kChannels + c] = from[c][x];
+  } else {
+    for (std::int32_t x = 0; x < width; ++x)
+      for (std::int32_t c = 0; c < kChannels; ++c) to[x * stride + c] = from[c][x];
+  }
 }
 
 }  // namespace
@@ -54,32 +59,40 @@ void Network::show(const char* name, const Tensor& tensor) const noexcept {
   if (watcher_.bytes != nullptr) watcher_.bytes(watcher_.self, name, tensor);
 }
 
-// C_k = relu conv(relu conv(focus_k)) of this part's hypotheses, straight to its channels in `mixed`.
+// C_k = relu conv(relu conv(focus_k)) of this part's hypotheses, straight to its channels in `mixed`. The
+// last layer looks at `together` of them at once.
 void Network::focus_costs(int part, int parts) noexcept {
-  const std::int32_t depth = facts_.ladder.hypotheses;
-  const std::int32_t maps = facts_.input.map_count;
+  const std::int32_t groups = facts_.ladder.hypotheses / together_;
+  const bool two_layers = facts_.focus_layers == 2;
   const Tensor& in = focus_in_[part];
   const Tensor& hidden = focus_hidden_[part];
   in.fill_border(kInputZero);
-  if (facts_.focus_layers == 2) hidden.fill_border(0);
-  for (std::int32_t k = depth * part / parts; k < depth * (part + 1) / parts; ++k) {
-    const std::uint8_t* plane =
-        inputs_.focus.data() + static_cast<std::size_t>(k) * static_cast<std::size_t>(maps) * cells_.size();
-    for (std::int32_t y = 0; y < cells_.height; ++y, plane += cells_.width) {
-      if (in.shape.channels == 4) {
-        interleave<4>(plane, cells_.size(), maps, cells_.width, in.row(y));
-      } else {
-        interleave<8>(plane, cells_.size(), maps, cells_.width, in.row(y));
-      }
+  if (two_layers) hidden.fill_border(0);
+  for (std::int32_t group = groups * part / parts; group < groups * (part + 1) / parts; ++group) {
+    for (std::int32_t i = 0; i < together_; ++i) {
+      take_maps(group * together_ + i, in, two_layers ? 0 : i * (in.shape.channels / together_));
+      if (two_layers)
+        focus_layers_[0].relu(in, hidden.origin + i * facts_.cost_hidden, hidden.shape.channels,
+                              hidden.shape.row_stride(), 0, cells_.height);
     }
-    const Tensor* last_in = &in;
-    if (facts_.focus_layers == 2) {
-      focus_layers_[0].relu(in, hidden, 0, cells_.height);
-      last_in = &hidden;
+    focus_layers_[facts_.focus_layers - 1].relu(
+        two_layers ? hidden : in, mixed_.origin + group * together_ * facts_.cost_channels,
+        mixed_.shape.channels, mixed_.shape.row_stride(), 0, cells_.height);
+  }
+}
+
+// The maps of hypothesis k to channels `first` and the following of `to`.
+void Network::take_maps(std::int32_t k, const Tensor& to, std::int32_t first) const noexcept {
+  const std::int32_t maps = facts_.input.map_count;
+  const std::int32_t stride = to.shape.channels;
+  const std::uint8_t* plane =
+      inputs_.focus.data() + static_cast<std::size_t>(k) * static_cast<std::size_t>(maps) * cells_.size();
+  for (std::int32_t y = 0; y < cells_.height; ++y, plane += cells_.width) {
+    if (maps <= 4) {
+      interleave<4>(plane, cells_.size(), maps, cells_.width, stride, to.row(y) + first);
+    } else {
+      interleave<8>(plane, cells_.size(), maps, cells_.width, stride, to.row(y) + first);
     }
-    focus_layers_[facts_.focus_layers - 1].relu(*last_in, mixed_.origin + k * facts_.cost_channels,
-                                                mixed_.shape.channels, mixed_.shape.row_stride(), 0,
-                                                cells_.height);
   }
 }
 
@@ -146,8 +159,8 @@ void Network::scores(int part, int parts) noexcept {
       inputs_.context.data() + static_cast<std::size_t>(facts_.input.map_count + 4) * cells_.size();
   for (std::int32_t y = cells_.height * part / parts; y < cells_.height * (part + 1) / parts; ++y) {
     head_.scores(at_4_, head, depth * 2, 0, y, 1);
-    // A cell's costs are a row of D pixels to this layer.
-    own_.scores(mixed_.row(y), mixed_.shape.channels, cells_.width, depth, own);
+    // A cell's costs are a row of pixels to this layer.
+    own_.scores(mixed_.row(y), mixed_.shape.channels, cells_.width, depth / together_, own);
     const std::int32_t at = y * cells_.width;
     regression_.row(head, own, shift + at, cells_.width, depth, inputs_.used, index_4_ + at,
                     confidence_4_ + at);

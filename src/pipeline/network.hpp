@@ -88,6 +88,7 @@ class Network {
                      const KernelTable& kernels, Arena& arena) noexcept;
 
   void focus_costs(int part, int parts) noexcept;
+  void take_maps(std::int32_t k, const Tensor& to, std::int32_t first) const noexcept;
   void mix(int part, int parts) noexcept;
   void run_blocks(const Blocks& blocks, const Tensor& sum, const Tensor& inner, WorkerPool& pool) noexcept;
   void down(const ConvLayer& layer, const Tensor& from, const Tensor& to, WorkerPool& pool) noexcept;
@@ -101,8 +102,9 @@ class Network {
   void show(const char* name, const Tensor& tensor) const noexcept;
 
   ModelFacts facts_;
-  EnergyGrid cells_;  // of 4x4 px
-  CellGrid halves_;   // of 2x2 px
+  std::int32_t together_;  // hypotheses that one convolution looks at, as its channels are multiples of 4
+  EnergyGrid cells_;       // of 4x4 px
+  CellGrid halves_;        // of 2x2 px
   Regression regression_;
   ConvLayer focus_layers_[2];
   ConvLayer mix_, down_8_, down_16_, narrow_16_, narrow_8_, head_, own_, guide_, first_, last_;

@@ -10,6 +10,11 @@ constexpr std::int32_t up_to_multiple(std::int32_t value, std::int32_t of) noexc
   return (value + of - 1) / of * of;
 }
 
+// Hypotheses that one convolution looks at, so that their channels are a multiple of 4.
+constexpr std::int32_t at_once(const ModelFacts& facts) noexcept {
+  return facts.cost_channels % 4 == 0 ? 1 : 2;
+}
+
 constexpr std::int32_t half(std::int32_t size) noexcept {
   return (size + 1) / 2;
 }
@@ -26,8 +31,9 @@ Network::Buffers::Buffers(const ModelFacts& facts, const Intrinsics& grid, int p
   at_4 = {w4, h4, facts.widths[0], 1};
   at_8 = {w8, h8, facts.widths[1], 1};
   at_16 = {w16, h16, facts.widths[2], 1};
-  focus_in = {w4, h4, up_to_multiple(facts.input.map_count, 4), 1};
-  focus_hidden = {w4, h4, facts.cost_hidden, 1};
+  const std::int32_t in_channels = up_to_multiple(facts.input.map_count, 4);
+  focus_in = {w4, h4, facts.focus_layers == 2 ? in_channels : at_once(facts) * in_channels, 1};
+  focus_hidden = {w4, h4, at_once(facts) * facts.cost_hidden, 1};
   // Multiples of 16: the widest registers' loads of inputs do not straddle pixels.
   mixed = {w4, h4, up_to_multiple(depth * facts.cost_channels + facts.input.map_count + 6, 16), 0};
   std::int32_t reach = 1;
@@ -80,14 +86,21 @@ Network::Blocks Network::make_blocks(const Model& model, LayerRole role, std::in
 
 Network::Network(const Model& model, const Intrinsics& grid, const KernelTable& kernels, int parts,
                  const Buffers& buffers, const MemoryPlan& plan, Arena& arena) noexcept
-    : facts_(model.facts), cells_(energy_grid(grid.width_px, grid.height_px)), halves_(cell_grid(grid)) {
-  const auto layer = [&](LayerRole role, std::int32_t channels, std::int32_t n = 0) noexcept {
-    return ConvLayer(model.layer(role, n), channels, kernels, arena);
+    : facts_(model.facts),
+      together_(at_once(facts_)),
+      cells_(energy_grid(grid.width_px, grid.height_px)),
+      halves_(cell_grid(grid)) {
+  const auto layer = [&](LayerRole role, std::int32_t channels, std::int32_t n = 0,
+                         std::int32_t copies = 1) noexcept {
+    return ConvLayer(model.layer(role, n), channels, kernels, arena, copies);
   };
   const auto [w4, w8, w16] = facts_.widths;
   arena.part(ArenaPart::kWeights);
-  focus_layers_[0] = layer(LayerRole::kFocusCost, buffers.focus_in.channels);
-  if (facts_.focus_layers == 2) focus_layers_[1] = layer(LayerRole::kFocusCost, facts_.cost_hidden, 1);
+  const std::int32_t last_focus = facts_.focus_layers - 1;
+  if (last_focus == 1) focus_layers_[0] = layer(LayerRole::kFocusCost, buffers.focus_in.channels);
+  focus_layers_[last_focus] =
+      layer(LayerRole::kFocusCost, (last_focus == 1 ? buffers.focus_hidden : buffers.focus_in).channels,
+            last_focus, together_);
   mix_ = layer(LayerRole::kMix, buffers.mixed.channels);
   blocks_4_ = make_blocks(model, LayerRole::kAt4, facts_.blocks[0], w4, kernels, arena);
   down_8_ = layer(LayerRole::kDown8, w4);
@@ -99,7 +112,7 @@ Network::Network(const Model& model, const Intrinsics& grid, const KernelTable& 
   narrow_8_ = layer(LayerRole::kNarrow8, w8);
   blocks_up_4_ = make_blocks(model, LayerRole::kUp4, facts_.up_blocks[0], w4, kernels, arena);
   head_ = layer(LayerRole::kHead, w4);
-  own_ = layer(LayerRole::kOwn, facts_.cost_channels);
+  own_ = layer(LayerRole::kOwn, together_ * facts_.cost_channels, 0, together_);
   guide_ = layer(LayerRole::kGuide, w4);
   first_ = layer(LayerRole::kFirst, kRefineChannels);
   for (std::int32_t i = 0; i < facts_.dilation_count; ++i)

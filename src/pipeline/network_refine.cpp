@@ -8,7 +8,10 @@
 namespace egofocus {
 namespace {
 
-constexpr std::int32_t kGuideAt = 4;  // channels of the refinement's input: place, three counts, guide
+// Channels of the refinement's input: place, three counts, guide.
+constexpr std::int32_t kChannels = 8;
+constexpr std::int32_t kGuideAt = 4;
+constexpr std::int32_t kGuideChannels = 4;
 constexpr std::int32_t kBorder_q8 = 2 * 256;
 
 struct Span {
@@ -25,20 +28,19 @@ Span over(Span a, Span b) noexcept {
 void Network::refine_input(int part, int parts) noexcept {
   const std::size_t plane_bytes = half_counts_bytes(halves_.size());
   const std::int32_t width = halves_.width;
-  const std::int32_t channels = refine_in_.shape.channels;
   for (std::int32_t y = halves_.height * part / parts; y < halves_.height * (part + 1) / parts; ++y) {
     std::uint8_t* const row = refine_in_.row(y);
     std::uint16_t* const start = start_ + y * width;
-    up_sample_row(index_4_, cells_.width, cells_.height, 1, y, width,
-                  [start](std::int32_t x, std::int32_t, std::int32_t value) noexcept {
-                    start[x] = static_cast<std::uint16_t>(value);
-                  });
-    up_sample_row(guide_4_.origin, cells_.width, cells_.height, guide_4_.shape.channels, y, width,
-                  [row, channels](std::int32_t x, std::int32_t i, std::int32_t value) noexcept {
-                    row[x * channels + kGuideAt + i] = static_cast<std::uint8_t>(value);
-                  });
+    up_sample_row<1>(index_4_, cells_.width, cells_.height, 1, y, width,
+                     [start](std::int32_t x, std::int32_t, std::int32_t value) noexcept {
+                       start[x] = static_cast<std::uint16_t>(value);
+                     });
+    up_sample_row<kGuideChannels>(guide_4_.origin, cells_.width, cells_.height, kGuideChannels, y, width,
+                                  [row](std::int32_t x, std::int32_t i, std::int32_t value) noexcept {
+                                    row[x * kChannels + kGuideAt + i] = static_cast<std::uint8_t>(value);
+                                  });
     for (std::int32_t x = 0; x < width; ++x) {
-      std::uint8_t* const to = row + x * channels;
+      std::uint8_t* const to = row + x * kChannels;
       to[0] = static_cast<std::uint8_t>((start[x] + 64) >> 7);
       const std::int32_t nearest = (start[x] + 128) >> 8;
       for (std::int32_t i = 0; i < 3; ++i) {

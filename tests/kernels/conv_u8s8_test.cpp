@@ -1,6 +1,7 @@
 #include "kernels/conv_u8s8.hpp"
 
 #include <catch2/catch.hpp>
+#include <cstring>
 #include <random>
 
 #include "conv_case.hpp"
@@ -43,7 +44,9 @@ std::vector<ConvCaseShape> shapes() {
        {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 15, 16, 17, 23, 24, 25, 31, 32, 33, 35, 49, 67}) {
     for (std::int32_t o : {1, 4, 8, 16, 48}) all.push_back({8, o, 3, 1, 1, columns, 1, epilogue()});
     for (std::int32_t i : {4, 16}) all.push_back({i, 4, 1, 1, 1, columns, 2, epilogue()});
-    for (std::int32_t i : {4, 8}) all.push_back({i, 1, 1, 1, 1, columns, 2, ConvEpilogue::kScore});
+    for (std::int32_t i : {4, 8}) {
+      for (std::int32_t o : {1, 2}) all.push_back({i, o, 1, 1, 1, columns, 2, ConvEpilogue::kScore});
+    }
   }
   for (ConvEpilogue each : kEveryEpilogue) {
     for (std::int32_t o : {1, 4, 8, 20, 35, 48, 80, 128}) {
@@ -154,7 +157,7 @@ TEST_CASE("conv_u8s8: packed weights stand where the contract says, zeros elsewh
   constexpr std::int8_t kWeights[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};  // [3][1][1][5]
   constexpr std::int32_t kBias[] = {100, 200, 300};
   constexpr float kScale[] = {0.5f, 0.25f, 0.125f};
-  const ConvWeights layer{kWeights, kBias, kScale, 5, 8, 3, 1};
+  const ConvWeights layer{kWeights, kBias, kScale, 5, 8, 3, 1, 1};
   const ConvPacking packing{2, 4};
   alignas(kConvPackedAlignment) std::byte memory[192];
   REQUIRE(conv_packed_bytes(packing, layer) == 192);
@@ -166,4 +169,27 @@ TEST_CASE("conv_u8s8: packed weights stand where the contract says, zeros elsewh
           std::vector<std::int32_t>{100, 200, 300, 0});
   REQUIRE(std::vector<float>(packed.scale, packed.scale + 4) ==
           std::vector<float>{0.5f, 0.25f, 0.125f, 0.0f});
+}
+
+TEST_CASE("conv_u8s8: copies of a layer are a layer with zeros off its diagonal") {
+  constexpr std::int8_t kWeights[] = {1, 2, 3, 4, 5, 6};  // [2][1][1][3]
+  constexpr std::int32_t kBias[] = {100, 200};
+  constexpr float kScale[] = {0.5f, 0.25f};
+  const ConvWeights two{kWeights, kBias, kScale, 3, 8, 2, 1, 2};
+  constexpr std::int8_t kWhole[] = {1, 2, 3, 0, 0, 0, 0, 0, 4, 5, 6, 0, 0, 0, 0, 0,
+                                    0, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0, 0, 4, 5, 6, 0};
+  constexpr std::int32_t kBiases[] = {100, 200, 100, 200};
+  constexpr float kScales[] = {0.5f, 0.25f, 0.5f, 0.25f};
+  const ConvWeights whole{kWhole, kBiases, kScales, 8, 8, 4, 1, 1};
+  for (const ConvPacking& packing :
+       {ConvPacking{1, 1}, ConvPacking{2, 4}, ConvPacking{16, 4}, ConvPacking{4, 16}}) {
+    INFO(packing.tile_outputs << " x " << packing.group_inputs);
+    alignas(kConvPackedAlignment) std::byte memory[2][512] = {};
+    const auto bytes = static_cast<std::size_t>(conv_packed_bytes(packing, two));
+    REQUIRE(bytes <= sizeof memory[0]);
+    REQUIRE(conv_packed_bytes(packing, whole) == static_cast<std::int64_t>(bytes));
+    pack_conv_u8s8(packing, two, memory[0]);
+    pack_conv_u8s8(packing, whole, memory[1]);
+    REQUIRE(std::memcmp(memory[0], memory[1], bytes) == 0);
+  }
 }

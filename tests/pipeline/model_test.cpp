@@ -124,6 +124,13 @@ TEST_CASE("each cause is told with its place") {
   SECTION("a span that is no number") {
     CHECK_FALSE(changed(facts + 4, 0x7ff80000u).ok());
   }
+  SECTION("channels per hypothesis") {
+    for (const std::uint32_t channels : {0u, 1u, 3u, 5u, 18u, 0xfffffffeu}) {
+      INFO(channels);
+      CHECK(std::string(changed(facts + 68, channels).subject()) == "channels per hypothesis");
+    }
+    CHECK(std::string(changed(facts + 68, 2).subject()) == "layer of another shape than the facts say");
+  }
   SECTION("widths that are none") {
     CHECK_FALSE(changed(facts + 72, 0xfffffffcu).ok());
   }

@@ -18,9 +18,11 @@ using test::VectorCase;
 
 namespace {
 
-std::string vectors_folder() {
+// One whose hypotheses have channels of their own, and one where two share what a convolution reads.
+std::vector<std::string> vectors_folders() {
   const char* other = std::getenv("EGOFOCUS_NETWORK_VECTORS");
-  return other != nullptr ? other : test::source_dir() + "/fixtures/network";
+  if (other != nullptr) return {other};
+  return {test::source_dir() + "/fixtures/network", test::source_dir() + "/fixtures/network_pairs"};
 }
 
 // A network with its own memory, and whatever else a tick would have around it.
@@ -128,7 +130,8 @@ Intrinsics grid_of(const VectorCase& expected) {
 }  // namespace
 
 TEST_CASE("the network's bytes are the integer model's") {
-  const std::string folder = vectors_folder();
+  const std::string folder = GENERATE(from_range(vectors_folders()));
+  INFO(folder);
   const test::ModelMemory file(test::file_bytes(folder + "/model.efm"));
   const auto model = std::make_unique<Model>();
   REQUIRE(read_model(file.bytes(), *model).ok());
@@ -152,19 +155,19 @@ TEST_CASE("the network's bytes are the integer model's") {
     }
   }
   SECTION("every instruction set") {
-    if (other_vectors) return;
     for (const Isa isa : kEveryIsa) {
       if (!has_isa(detect_isa(), isa)) continue;
       INFO("instruction set " << isa_name(isa));
       Bench bench(*model, grid, 1, isa_bit(isa));
-      for (const VectorCase& expected : cases) compare(bench, expected, 2);
+      for (std::size_t i = 0; i < cases.size() && (i < 3 || !other_vectors); ++i) compare(bench, cases[i], 2);
     }
   }
 }
 
 TEST_CASE("the vectors are worth comparing") {
   if (std::getenv("EGOFOCUS_NETWORK_VECTORS") != nullptr) return;
-  const std::vector<VectorCase> cases = test::read_cases(vectors_folder() + "/cases.bin");
+  const std::vector<VectorCase> cases =
+      test::read_cases(GENERATE(from_range(vectors_folders())) + "/cases.bin");
   bool one = false, all = false, some = false, empty = false, saturated = false;
   std::size_t free_pixels = 0, pixels = 0;
   for (const VectorCase& c : cases) {

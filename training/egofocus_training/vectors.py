@@ -1,7 +1,7 @@
-"""python3 -m egofocus_training.vectors --config FILE --weights FILE --out DIR [--size WxH] [--cases N]: what the runtime must say.
+"""python3 -m egofocus_training.vectors [--config FILE --weights FILE | --costs HIDDENxCHANNELS] --out DIR: what the runtime must say.
 
 DIR/model.efm and DIR/cases.bin: inputs of N windows and every tensor of the integer model, for tests/pipeline/network_test.cpp. Without
---config and --weights: a small network with random weights.
+--config and --weights: a little network with random weights, --costs its channels per hypothesis.
 cases.bin: arrays one after the other, little-endian: name (16 bytes, zero padded), type (u32: 1 u8, 2 u16), number of dimensions
 (u32), four dimensions (u32), the values, zeros up to a multiple of 8 bytes.
 """
@@ -22,11 +22,13 @@ from .model.network import FocusNetwork
 from .quantisation import calibrate, set_rounding
 from .units import ZERO
 
-SMALL = """
+RANDOM = """
 [input]
 hypotheses = 16
 maps = ["gradient:3", "squares:7", "gradient_x:1"]
 [network]
+cost_hidden = {}
+cost_channels = {}
 widths = [12, 20, 24]
 blocks = [1, 1, 2]
 up_blocks = [1, 1]
@@ -79,10 +81,10 @@ def windows(config, width, height, count):
     return (special + rest)[:count]
 
 
-def small_network(seed=3):
+def random_network(hidden=8, channels=4, seed=3):
     """(config, quantised network) with every weight away from its start, whose indices differ widely between neighbours."""
     torch.manual_seed(seed)
-    config = parse_config(SMALL, "vectors")
+    config = parse_config(RANDOM.format(hidden, channels), "vectors")
     network = FocusNetwork(config.input, config.network)
     for parameter in network.parameters():
         torch.nn.init.normal_(parameter, 0.1 if parameter.ndim == 1 else 0.0, 0.1)
@@ -124,6 +126,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--config")
     parser.add_argument("--weights")
+    parser.add_argument("--costs", default="8x4", help="of the random network: HIDDENxCHANNELS; 0 hidden: one convolution")
     parser.add_argument("--out", required=True)
     parser.add_argument("--size", default="35x45", help="the working grid, WIDTHxHEIGHT in px")
     parser.add_argument("--cases", type=int, default=7)
@@ -137,7 +140,7 @@ def main():
         network = load_network(arguments.weights, config)
         state = checkpoint.read(arguments.weights)
     else:
-        config, network = small_network()
+        config, network = random_network(*map(int, arguments.costs.split("x")))
         state = {}
     out = pathlib.Path(arguments.out)
     out.mkdir(parents=True, exist_ok=True)

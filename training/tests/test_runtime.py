@@ -17,24 +17,25 @@ from egofocus_training.windows import ladder_of, network_inputs, recording_facts
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOWN = ROOT / "fixtures" / "town5_night"
-BASE = ROOT / "models" / "base"
 IMAGES = 5
 
 
-def run_eval(out):
+def run_eval(model, out):
     program = os.environ.get("EGOFOCUS_APP")
     if not program:
         pytest.skip("EGOFOCUS_APP names no egofocus: ctest does")
-    text = subprocess.run([program, "eval", str(TOWN), "--methods", "network", "--model", str(BASE / "base.efm"), "--limit",
+    text = subprocess.run([program, "eval", str(TOWN), "--methods", "network", "--model", str(model / f"{model.name}.efm"), "--limit",
                            str(IMAGES), "--out", str(out / "maps"), "--json", str(out / "scores.json")],
                           check=True, capture_output=True, text=True).stdout
     return text, json.loads((out / "scores.json").read_text())["recordings"][0]
 
 
-def test_the_runtimes_numbers_are_the_integer_models(tmp_path):
-    text, scores = run_eval(tmp_path)
-    config = load_config(BASE / "config.toml")
-    model = IntegerModel(load_network(BASE / "weights.pt", config))
+@pytest.mark.parametrize("name", ["base", "small"])
+def test_the_runtimes_numbers_are_the_integer_models(name, tmp_path):
+    folder = ROOT / "models" / name
+    text, scores = run_eval(folder, tmp_path)
+    config = load_config(folder / "config.toml")
+    model = IntegerModel(load_network(folder / "weights.pt", config))
     z_near_m = tomllib.loads((TOWN / "camera.toml").read_text())["ladder"]["z_near_m"]
     recording = stack.Recording(str(TOWN), None, ladder_of(config.input, z_near_m))
     assert len(scores["images"]) == IMAGES
