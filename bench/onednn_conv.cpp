@@ -112,6 +112,7 @@ OneDnnConv::OneDnnConv(const OneDnnProblem& problem)
   bias_ = dnnl::memory(chosen.bias_desc(), engine_);
   output_ = dnnl::memory(chosen.dst_desc(), engine_);
   given_output_ = {problem.out, type, problem.pixels};
+  for (const std::int64_t size : problem.out) output_count_ *= static_cast<std::size_t>(size);
   put_operands(problem);
   arguments_ = {
       {DNNL_ARG_SRC, input_}, {DNNL_ARG_WEIGHTS, weights_}, {DNNL_ARG_BIAS, bias_}, {DNNL_ARG_DST, output_}};
@@ -142,11 +143,9 @@ std::vector<std::int32_t> OneDnnConv::outputs() {
   stream_.wait();
   dnnl::memory dense(given_output_, engine_);
   bring(output_, dense);
-  std::size_t count = 1;
-  for (const std::int64_t size : given_output_.dims()) count *= static_cast<std::size_t>(size);
-  std::vector<std::int32_t> values(count);
+  std::vector<std::int32_t> values(output_count_);
   const void* from = dense.get_data_handle();
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < output_count_; ++i) {
     switch (epilogue_) {
       case ConvEpilogue::kSmall:
         values[i] = static_cast<const std::int8_t*>(from)[i];

@@ -55,6 +55,7 @@ class OneDnnConv {
   ConvEpilogue epilogue_;
   const std::uint8_t* addend_;
   dnnl::memory::desc given_output_;  // dense, channels innermost
+  std::size_t output_count_ = 1;
   dnnl::memory input_, weights_, bias_, output_;
   dnnl::convolution_forward primitive_;
   std::unordered_map<int, dnnl::memory> arguments_;
