@@ -1,6 +1,6 @@
-// bench_peers: each convolution of `base` at 346x260 as the library does it and as oneDNN does it, on one
-// thread and within one tier of instruction sets, in turns; beside them what the core's multipliers can do.
-// docs/kernels-conv.md says what is not like for like.
+// bench_peers: each convolution of `base` at 346x260, or depthwise ones, or those over planes, as the library
+// does it and as oneDNN does it, on one thread and within one tier of instruction sets, in turns; beside them
+// what the core's multipliers can do. docs/kernels-conv.md says what is not like for like.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "conv_layers.hpp"
+#include "depthwise_layers.hpp"
 #include "kernels/kernel_table.hpp"
 #include "mac_peak.hpp"
 #include "onednn_conv.hpp"
@@ -37,7 +38,9 @@ constexpr Tier kTiers[] = {
 enum WayIndex : std::size_t { kOurs, kPeer, kPeak };
 
 struct Compared {
-  const ConvLayer* layer;
+  std::string name;
+  int times;    // in a tick
+  bool window;  // no 1x1
   double multiplications;
   double peak_multiplications;
   std::string implementation;
@@ -61,21 +64,57 @@ bool agree(const std::vector<std::int32_t>& ours, const std::vector<std::int32_t
   return ours.size() == theirs.size() && 1000 * differing <= ours.size();
 }
 
-Compared compare(const ConvLayer& layer, const Tier& tier, int rounds, std::mt19937& random) {
-  const ChosenConvU8S8 kernel = select_kernels(isa_bit(tier.isa)).conv_u8s8;
-  const ConvLoad load(layer, kernel.packing);
-  OneDnnConv peer(layer, load);
-  kernel.run(load.conv());
+struct Run {
+  const Tier& tier;
+  int rounds;
+  std::string layer;  // what is in the names of the layers wanted
+  std::mt19937 random{1};
+};
+
+int times_in_a_tick(const ConvLayer& layer) {
+  return layer.times;
+}
+int times_in_a_tick(const DepthwiseLayer&) {
+  return 1;
+}
+bool has_window(const ConvLayer& layer) {
+  return layer.side * layer.depth > 1;
+}
+bool has_window(const DepthwiseLayer&) {
+  return true;
+}
+
+template <class Load, class Layer, class Chosen>
+Compared compare(const Layer& layer, const Chosen& kernel, Run& run) {
+  const Load load(layer, kernel.packing);
+  OneDnnConv peer(problem_of(load));
+  load.run(kernel.run);
   if (!agree(load.outputs(), peer.outputs()))
     throw std::runtime_error(std::string(layer.name) + ": the two do not compute the same");
   const int repeats = 1 + static_cast<int>(1e8 / load.multiplications());
   constexpr std::int32_t kPeakRounds = 20000;
-  const Rounds taken = take_turns({{[&] { kernel.run(load.conv()); }, repeats},
+  const Rounds taken = take_turns({{[&] { load.run(kernel.run); }, repeats},
                                    {[&] { peer.run(); }, repeats},
-                                   {[&] { tier.peak(kPeakRounds); }, 1}},
-                                  rounds, random);
-  return {&layer, load.multiplications(), static_cast<double>(tier.peak(kPeakRounds)), peer.implementation(),
-          medians_of(taken, random)};
+                                   {[&] { run.tier.peak(kPeakRounds); }, 1}},
+                                  run.rounds, run.random);
+  return {layer.name,
+          times_in_a_tick(layer),
+          has_window(layer),
+          load.multiplications(),
+          static_cast<double>(run.tier.peak(kPeakRounds)),
+          peer.implementation(),
+          medians_of(taken, run.random)};
+}
+
+template <class Load, class Layers, class Chosen>
+std::vector<Compared> compare_all(const Layers& layers, const Chosen& kernel, Run& run) {
+  std::vector<Compared> all;
+  for (const auto& layer : layers) {
+    if (std::string(layer.name).find(run.layer) != std::string::npos)
+      all.push_back(compare<Load>(layer, kernel, run));
+  }
+  if (all.empty()) throw std::runtime_error(run.layer + ": no layer has this in its name");
+  return all;
 }
 
 template <class Chosen>
@@ -84,7 +123,7 @@ Estimate geometric_mean(const std::vector<Compared>& all, Chosen&& chosen) {
     double sum = 0;
     int count = 0;
     for (const Compared& c : all) {
-      if (!chosen(*c.layer)) continue;
+      if (!chosen(c)) continue;
       sum += std::log(c.seconds(kPeer, n) / c.seconds(kOurs, n));
       ++count;
     }
@@ -115,7 +154,7 @@ double border_seconds(std::mt19937& random, int rounds) {
 
 double tick_seconds(const std::vector<Compared>& all, WayIndex way, std::size_t n) {
   double sum = 0;
-  for (const Compared& c : all) sum += c.layer->times * c.seconds(way, n);
+  for (const Compared& c : all) sum += c.times * c.seconds(way, n);
   return sum;
 }
 
@@ -129,14 +168,14 @@ void print(const std::vector<Compared>& all, const std::vector<Total>& totals) {
               "ours/oneDNN (95 %)", "oneDNN's implementation");
   for (const Compared& c : all) {
     const Estimate ratio = c.ratio();
-    std::printf("%-24s %5d %8.1f %8.1f %5.1f%%  %.3f (%.3f .. %.3f)  %s\n", c.layer->name, c.layer->times,
+    std::printf("%-24s %5d %8.1f %8.1f %5.1f%%  %.3f (%.3f .. %.3f)  %s\n", c.name.c_str(), c.times,
                 c.gmacs(kOurs), c.gmacs(kPeer), 100 * c.gmacs(kOurs) / c.peak_gmacs(), ratio.value, ratio.low,
                 ratio.high, c.implementation.c_str());
   }
   for (const Total& total : totals)
     std::printf("%-55s  %.3f (%.3f .. %.3f)\n", total.name, total.ratio.value, total.ratio.low,
                 total.ratio.high);
-  std::printf("G multiply-adds a second; one tick: ours %.0f us, oneDNN %.0f us; peak: %.1f\n",
+  std::printf("G multiply-adds a second; all: ours %.0f us, oneDNN %.0f us; peak: %.1f\n",
               1e6 * tick_seconds(all, kOurs, 0), 1e6 * tick_seconds(all, kPeer, 0), all[0].peak_gmacs());
 }
 
@@ -149,10 +188,10 @@ void write_json(const std::string& path, const Tier& tier, int rounds, const std
   out << "{\"isa\": \"" << tier.name << "\", \"onednn\": \"" << onednn_version()
       << "\", \"rounds\": " << rounds << ",\n \"layers\": [";
   for (const Compared& c : all) {
-    out << (&c == all.data() ? "\n  " : ",\n  ") << "{\"name\": \"" << c.layer->name
-        << "\", \"times\": " << c.layer->times << ", \"multiplications\": " << c.multiplications
-        << ", \"ours_s\": " << c.seconds(kOurs, 0) << ", \"onednn_s\": " << c.seconds(kPeer, 0)
-        << ", \"peak_gmacs\": " << c.peak_gmacs() << ", \"implementation\": \"" << c.implementation << "\", ";
+    out << (&c == all.data() ? "\n  " : ",\n  ") << "{\"name\": \"" << c.name << "\", \"times\": " << c.times
+        << ", \"multiplications\": " << c.multiplications << ", \"ours_s\": " << c.seconds(kOurs, 0)
+        << ", \"onednn_s\": " << c.seconds(kPeer, 0) << ", \"peak_gmacs\": " << c.peak_gmacs()
+        << ", \"implementation\": \"" << c.implementation << "\", ";
     put("ratio", c.ratio());
     out << '}';
   }
@@ -165,44 +204,50 @@ void write_json(const std::string& path, const Tier& tier, int rounds, const std
   if (!out.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
-int run(const Tier& tier, int rounds, const std::string& layer_name, const std::string& json) {
+void run(const std::string& operators, const std::string& json, Run& run) {
+  const Tier& tier = run.tier;
   if (!has_isa(detect_isa(), tier.isa))
     throw std::runtime_error(std::string(tier.name) + ": not on this machine");
   if (!limit_onednn(tier.isa))
     throw std::runtime_error(std::string("oneDNN does not take the tier ") + tier.name);
-  std::printf("oneDNN %s, %s, one thread, %d rounds in turns\n", onednn_version().c_str(), tier.name, rounds);
-  std::mt19937 random(1);
+  std::printf("oneDNN %s, %s, one thread, %d rounds in turns\n", onednn_version().c_str(), tier.name,
+              run.rounds);
+  const KernelTable kernels = select_kernels(isa_bit(tier.isa));
   std::vector<Compared> all;
-  for (const ConvLayer& layer : kConvLayers) {
-    if (std::string(layer.name).find(layer_name) != std::string::npos)
-      all.push_back(compare(layer, tier, rounds, random));
-  }
-  if (all.empty()) throw std::runtime_error(layer_name + ": no layer has this in its name");
   std::vector<Total> totals;
-  if (layer_name.empty()) {
-    const double borders_s = border_seconds(random, rounds);
-    std::printf("ours' borders, in the sum alone: %.1f us\n", 1e6 * borders_s);
-    totals = {{"dense, geometric mean", geometric_mean(all, [](const ConvLayer& l) { return l.side == 3; })},
-              {"1x1, geometric mean", geometric_mean(all, [](const ConvLayer& l) { return l.side == 1; })},
-              {"all convolutions of a tick, sum", estimate([&](std::size_t n) {
-                 return tick_seconds(all, kPeer, n) / (tick_seconds(all, kOurs, n) + borders_s);
-               })}};
+  if (operators == "network") {
+    all = compare_all<ConvLoad>(kConvLayers, kernels.conv_u8s8, run);
+    if (run.layer.empty()) {
+      const double borders_s = border_seconds(run.random, run.rounds);
+      std::printf("ours' borders, in the sum alone: %.1f us\n", 1e6 * borders_s);
+      totals = {{"dense, geometric mean", geometric_mean(all, [](const Compared& c) { return c.window; })},
+                {"1x1, geometric mean", geometric_mean(all, [](const Compared& c) { return !c.window; })},
+                {"all convolutions of a tick, sum", estimate([&](std::size_t n) {
+                   return tick_seconds(all, kPeer, n) / (tick_seconds(all, kOurs, n) + borders_s);
+                 })}};
+    }
+  } else {
+    all = operators == "planes" ? compare_all<ConvLoad>(kPlaneLayers, kernels.conv_u8s8, run)
+                                : compare_all<DepthwiseLoad>(kDepthwiseLayers, kernels.depthwise_u8s8, run);
+    totals = {{"geometric mean", geometric_mean(all, [](const Compared&) { return true; })}};
   }
   print(all, totals);
-  if (!json.empty()) write_json(json, tier, rounds, all, totals);
-  return 0;
+  if (!json.empty()) write_json(json, tier, run.rounds, all, totals);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"the network's convolutions beside oneDNN's, one thread, in turns"};
-  std::string isa = kTiers[0].name, layer, json;
+  CLI::App app{"convolutions beside oneDNN's, one thread, in turns"};
+  std::string isa = kTiers[0].name, operators = "network", layer, json;
   int rounds = 200;
   std::vector<std::string> names;
   for (const Tier& tier : kTiers) names.push_back(tier.name);
   app.add_option("--isa", isa, "the tier that both keep to")
       ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  app.add_option("--operators", operators, "those of the network, depthwise ones, or those over planes")
+      ->check(CLI::IsMember({"network", "depthwise", "planes"}))
       ->capture_default_str();
   app.add_option("--rounds", rounds, "of each layer")->check(CLI::Range(10, 100000))->capture_default_str();
   app.add_option("--layer", layer, "only layers with this in their names");
@@ -210,7 +255,10 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     for (const Tier& tier : kTiers) {
-      if (isa == tier.name) return run(tier, rounds, layer, json);
+      if (isa != tier.name) continue;
+      Run chosen{tier, rounds, layer};
+      run(operators, json, chosen);
+      return 0;
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());

@@ -1,4 +1,4 @@
-// The networks' convolutions at 346x260, each with its memory: what the benchmarks run.
+// The networks' convolutions at 346x260 and others, each with its memory: what the benchmarks run.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,8 @@ struct ConvLayer {
   std::int32_t times;             ///< in one tick of the model whose layer it is
   std::int32_t output_pixel = 0;  ///< bytes, where the output is a part of another tensor's channels
   bool zeros_beyond = true;       ///< the border's byte is zero
+  std::int32_t depth = 1;         ///< planes of the window
+  std::int32_t planes = 1;        ///< of the output
 };
 
 /// Those of `base`.
@@ -77,24 +79,42 @@ inline constexpr ConvLayer kComparedConvLayers[] = {
     {"3x3_64_64", 64, 64, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 0},
     {"1x1_64_64", 64, 64, 1, 1, 1, 33, 44, ConvEpilogue::kRelu, 0},
     {"3x3s2_32_64", 32, 64, 3, 2, 1, 33, 44, ConvEpilogue::kRelu, 0},
+    {"3x3x3_8_8", 8, 8, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 0, 0, true, 3, 32},
+};
+
+/// Over planes (hypotheses), rows and columns, and along the planes alone; in no tick of `base`.
+inline constexpr ConvLayer kPlaneLayers[] = {
+    {"3x3x3_8_8", 8, 8, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 1, 0, true, 3, 32},
+    {"3x3x3_8_8_fine", 8, 8, 3, 1, 1, 65, 87, ConvEpilogue::kRelu, 1, 0, true, 3, 32},
+    {"3x3x3_8_4", 8, 4, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 1, 0, true, 3, 32},
+    {"3x3x3_16_16", 16, 16, 3, 1, 1, 33, 44, ConvEpilogue::kRelu, 1, 0, true, 3, 32},
+    {"3x3x3_add_16_16", 16, 16, 3, 1, 1, 33, 44, ConvEpilogue::kAdd, 1, 0, true, 3, 32},
+    {"3x1x1_8_8", 8, 8, 1, 1, 1, 33, 44, ConvEpilogue::kRelu, 1, 0, true, 3, 32},
+    {"3x1x1_16_16", 16, 16, 1, 1, 1, 33, 44, ConvEpilogue::kRelu, 1, 0, true, 3, 32},
 };
 
 /// One layer with random operands and a border of zeros, packed for one variant.
 class ConvLoad {
  public:
   ConvLoad(const ConvLayer& layer, const ConvPacking& packing);
+  /// Of the first plane.
   const ConvU8S8& conv() const { return conv_; }
+  /// All planes.
+  void run(ConvU8S8Function* function) const;
   const ConvWeights& given() const { return given_; }
-  /// Of the input's interior, without the border.
+  /// Of the input's interior, without the border: planes, rows, columns and channels without a gap.
+  std::vector<std::uint8_t> dense_input() const;
+  std::int32_t planes() const { return planes_; }
   std::int32_t input_columns() const { return (conv_.columns - 1) * conv_.stride + 1; }
   std::int32_t input_rows() const { return (conv_.rows - 1) * conv_.stride + 1; }
   double multiplications() const;
-  /// What a run left: [rows][columns][out_channels].
+  /// What a run left: [planes][rows][columns][out_channels].
   std::vector<std::int32_t> outputs() const;
 
  private:
   ConvU8S8 conv_;
   ConvWeights given_;
+  std::int32_t planes_;
   std::vector<std::uint8_t> input_, addend_, output_;
   std::vector<std::int8_t> weights_;
   std::vector<std::int32_t> bias_;

@@ -29,7 +29,7 @@ double thread_seconds() {
 double time_of(const ConvLoad& load, ConvU8S8Function* run) {
   const int repeats = 1 + static_cast<int>(1e8 / load.multiplications());
   const double start = thread_seconds();
-  for (int n = 0; n < repeats; ++n) run(load.conv());
+  for (int n = 0; n < repeats; ++n) load.run(run);
   return (thread_seconds() - start) / repeats;
 }
 

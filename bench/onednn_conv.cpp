@@ -38,24 +38,68 @@ std::string onednn_version() {
          std::to_string(version->patch);
 }
 
-OneDnnConv::OneDnnConv(const ConvLayer& layer, const ConvLoad& load)
-    : engine_(dnnl::engine::kind::cpu, 0), stream_(engine_), conv_(load.conv()) {
-  const dnnl::memory::dims in{1, layer.in_channels, load.input_rows(), load.input_columns()};
-  const dnnl::memory::dims out{1, layer.out_channels, layer.rows, layer.columns};
-  const dnnl::memory::dims window{layer.out_channels, layer.in_channels, layer.side, layer.side};
-  const dnnl::memory::dims stride{layer.stride, layer.stride};
-  const dnnl::memory::dims gap{layer.dilation - 1, layer.dilation - 1};
-  const std::int32_t border = layer.side / 2 * layer.dilation;
-  const dnnl::memory::dims padding{border, border};
-  const Type type = output_type(layer.epilogue);
+OneDnnProblem problem_of(const ConvLoad& load) {
+  const ConvU8S8& conv = load.conv();
+  const std::int32_t border = conv.side / 2 * conv.dilation;
+  OneDnnProblem problem{{1, conv.in_channels, load.input_rows(), load.input_columns()},
+                        {1, conv.out_channels, conv.rows, conv.columns},
+                        {conv.out_channels, conv.in_channels, conv.side, conv.side},
+                        {conv.stride, conv.stride},
+                        {conv.dilation - 1, conv.dilation - 1},
+                        {border, border},
+                        Tag::nhwc,
+                        Tag::ohwi,
+                        conv.epilogue,
+                        load.dense_input(),
+                        load.given().weights,
+                        load.given().bias,
+                        load.given().scale,
+                        conv.addend};
+  if (conv.depth == 1) return problem;
+  problem.in = {1, conv.in_channels, load.planes(), load.input_rows(), load.input_columns()};
+  problem.out = {1, conv.out_channels, load.planes(), conv.rows, conv.columns};
+  problem.window = {conv.out_channels, conv.in_channels, conv.depth, conv.side, conv.side};
+  problem.stride = {1, conv.stride, conv.stride};
+  problem.gap = {0, conv.dilation - 1, conv.dilation - 1};
+  problem.padding = {conv.depth / 2, border, border};
+  problem.pixels = Tag::ndhwc;
+  problem.weights = Tag::odhwi;
+  return problem;
+}
+
+OneDnnProblem problem_of(const DepthwiseLoad& load) {
+  const DepthwiseU8S8& conv = load.conv();
+  return {{1, conv.channels, load.input_rows(), load.input_columns()},
+          {1, conv.channels, conv.rows, conv.columns},
+          {conv.channels, 1, 1, 3, 3},
+          {conv.stride, conv.stride},
+          {conv.dilation - 1, conv.dilation - 1},
+          {conv.dilation, conv.dilation},
+          Tag::nhwc,
+          Tag::goihw,
+          conv.epilogue,
+          load.dense_input(),
+          load.given().weights,
+          load.given().bias,
+          load.given().scale,
+          conv.addend};
+}
+
+OneDnnConv::OneDnnConv(const OneDnnProblem& problem)
+    : engine_(dnnl::engine::kind::cpu, 0),
+      stream_(engine_),
+      epilogue_(problem.epilogue),
+      addend_(problem.addend) {
+  const std::int64_t channels = problem.out[1];
+  const Type type = output_type(epilogue_);
   const dnnl::convolution_forward::desc wanted(
-      dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_direct, {in, Type::u8, Tag::any},
-      {window, Type::s8, Tag::any}, {{layer.out_channels}, Type::s32, Tag::any}, {out, type, Tag::any},
-      stride, gap, padding, padding);
+      dnnl::prop_kind::forward_inference, dnnl::algorithm::convolution_direct,
+      {problem.in, Type::u8, Tag::any}, {problem.window, Type::s8, Tag::any},
+      {{channels}, Type::s32, Tag::any}, {problem.out, type, Tag::any}, problem.stride, problem.gap,
+      problem.padding, problem.padding);
   dnnl::primitive_attr attributes;
-  attributes.set_output_scales(
-      1 << 1, std::vector<float>(load.given().scale, load.given().scale + layer.out_channels));
-  if (layer.epilogue == ConvEpilogue::kAdd) {
+  attributes.set_output_scales(1 << 1, std::vector<float>(problem.scale, problem.scale + channels));
+  if (epilogue_ == ConvEpilogue::kAdd) {
     dnnl::post_ops sum;
     sum.append_sum(1.0f);
     attributes.set_post_ops(sum);
@@ -67,8 +111,9 @@ OneDnnConv::OneDnnConv(const ConvLayer& layer, const ConvLoad& load)
   weights_ = dnnl::memory(chosen.weights_desc(), engine_);
   bias_ = dnnl::memory(chosen.bias_desc(), engine_);
   output_ = dnnl::memory(chosen.dst_desc(), engine_);
-  given_output_ = {out, type, Tag::nhwc};
-  put_operands(load);
+  given_output_ = {problem.out, type, problem.pixels};
+  for (const std::int64_t size : problem.out) output_count_ *= static_cast<std::size_t>(size);
+  put_operands(problem);
   arguments_ = {
       {DNNL_ARG_SRC, input_}, {DNNL_ARG_WEIGHTS, weights_}, {DNNL_ARG_BIAS, bias_}, {DNNL_ARG_DST, output_}};
 }
@@ -78,39 +123,30 @@ void OneDnnConv::bring(dnnl::memory& from, dnnl::memory& to) {
   stream_.wait();
 }
 
-void OneDnnConv::put_operands(const ConvLoad& load) {
-  const auto given = [this](const dnnl::memory& like, Type type, Tag tag, const void* from) {
-    return dnnl::memory({like.get_desc().dims(), type, tag}, engine_, const_cast<void*>(from));
+void OneDnnConv::put_operands(const OneDnnProblem& problem) {
+  const auto put = [this](dnnl::memory& to, const dnnl::memory::dims& dims, Type type, Tag tag,
+                          const void* from) {
+    dnnl::memory given({dims, type, tag}, engine_, const_cast<void*>(from));
+    bring(given, to);
   };
-  std::vector<std::uint8_t> inside;
-  for (std::int32_t y = 0; y < load.input_rows(); ++y) {
-    const std::uint8_t* row = conv_.input + y * conv_.input_row_stride;
-    inside.insert(inside.end(), row, row + load.input_columns() * conv_.in_channels);
-  }
-  dnnl::memory input = given(input_, Type::u8, Tag::nhwc, inside.data());
-  dnnl::memory weights = given(weights_, Type::s8, Tag::ohwi, load.given().weights);
-  dnnl::memory bias = given(bias_, Type::s32, Tag::a, load.given().bias);
-  bring(input, input_);
-  bring(weights, weights_);
-  bring(bias, bias_);
-}
-
-void OneDnnConv::put_addend() {
-  dnnl::memory addend(given_output_, engine_, const_cast<std::uint8_t*>(conv_.addend));
-  bring(addend, output_);
+  put(input_, problem.in, Type::u8, problem.pixels, problem.input.data());
+  put(weights_, problem.window, Type::s8, problem.weights, problem.given_weights);
+  put(bias_, {problem.out[1]}, Type::s32, Tag::a, problem.bias);
 }
 
 std::vector<std::int32_t> OneDnnConv::outputs() {
-  if (conv_.epilogue == ConvEpilogue::kAdd) put_addend();
+  if (epilogue_ == ConvEpilogue::kAdd) {
+    dnnl::memory addend(given_output_, engine_, const_cast<std::uint8_t*>(addend_));
+    bring(addend, output_);
+  }
   run();
   stream_.wait();
   dnnl::memory dense(given_output_, engine_);
   bring(output_, dense);
-  const std::size_t count = static_cast<std::size_t>(conv_.rows * conv_.columns * conv_.out_channels);
-  std::vector<std::int32_t> values(count);
+  std::vector<std::int32_t> values(output_count_);
   const void* from = dense.get_data_handle();
-  for (std::size_t i = 0; i < count; ++i) {
-    switch (conv_.epilogue) {
+  for (std::size_t i = 0; i < output_count_; ++i) {
+    switch (epilogue_) {
       case ConvEpilogue::kSmall:
         values[i] = static_cast<const std::int8_t*>(from)[i];
         break;

@@ -8,14 +8,17 @@ namespace {
 std::int32_t sum_at(const ConvU8S8& conv, std::int32_t row, std::int32_t column, std::int32_t o) noexcept {
   const std::int32_t half = conv.side / 2;
   const std::int8_t* weight =
-      conv.packed.weights + std::int64_t{o} * conv.side * conv.side * conv.in_channels;
+      conv.packed.weights + std::int64_t{o} * conv.depth * conv.side * conv.side * conv.in_channels;
   std::int32_t acc = conv.packed.bias[o];
-  for (std::int32_t ky = 0; ky < conv.side; ++ky) {
-    for (std::int32_t kx = 0; kx < conv.side; ++kx) {
-      const std::int64_t y = row * conv.stride + (ky - half) * conv.dilation;
-      const std::int64_t x = column * conv.stride + (kx - half) * conv.dilation;
-      const std::uint8_t* pixel = conv.input + y * conv.input_row_stride + x * conv.input_pixel_stride;
-      for (std::int32_t i = 0; i < conv.in_channels; ++i) acc += *weight++ * pixel[i];
+  for (std::int32_t kz = 0; kz < conv.depth; ++kz) {
+    const std::uint8_t* plane = conv.input + (kz - conv.depth / 2) * conv.input_plane_stride;
+    for (std::int32_t ky = 0; ky < conv.side; ++ky) {
+      for (std::int32_t kx = 0; kx < conv.side; ++kx) {
+        const std::int64_t y = row * conv.stride + (ky - half) * conv.dilation;
+        const std::int64_t x = column * conv.stride + (kx - half) * conv.dilation;
+        const std::uint8_t* pixel = plane + y * conv.input_row_stride + x * conv.input_pixel_stride;
+        for (std::int32_t i = 0; i < conv.in_channels; ++i) acc += *weight++ * pixel[i];
+      }
     }
   }
   return acc;

@@ -1,5 +1,6 @@
-// Dense convolution in integers: the network's layers (docs/integer_model.md, "Tensors, weights and the one
-// rounding rule"). Channels lie innermost (NHWC).
+// Dense convolution in integers over rows and columns, and over planes of them: the network's layers
+// (docs/integer_model.md, "Tensors, weights and the one rounding rule"). Channels lie innermost (NHWC,
+// NDHWC). A call makes one output plane.
 #pragma once
 
 #include <cstdint>
@@ -17,26 +18,31 @@ enum class ConvEpilogue : std::uint8_t {
 };
 
 /// Operands of one call. For each output row y in [first_row, first_row + rows), column x in [0, columns) and
-/// channel o in [0, out_channels), with w[o][ky][kx][i] the packed weights, h = side / 2 and s32 sums:
-///   acc = bias[o] + sum over ky, kx in [0, side), i in [0, in_channels) of
-///         w[o][ky][kx][i] * in(y * stride + (ky - h) * dilation, x * stride + (kx - h) * dilation)[i]
+/// channel o in [0, out_channels), with w[o][kz][ky][kx][i] the packed weights, h = side / 2, d = depth / 2
+/// and s32 sums:
+///   acc = bias[o] + sum over kz in [0, depth), ky, kx in [0, side), i in [0, in_channels) of
+///         w[o][kz][ky][kx][i] *
+///         in(kz - d, y * stride + (ky - h) * dilation, x * stride + (kx - h) * dilation)[i]
 ///   out(y, x)[o] = epilogue(requant_s16(acc, scale[o]), addend(y, x)[o])
-/// where t(y, x) = t + y * t_row_stride + x * t_pixel_stride. The kernel knows no border and no zero point:
-/// what the formula reads left of column 0, above row 0 and beyond the last ones is there, filled with the
-/// zero point by the caller, and -zero * sum w is in the bias already.
+/// where t(z, y, x) = t + z * t_plane_stride + y * t_row_stride + x * t_pixel_stride. The kernel knows no
+/// border and no zero point: what the formula reads left of column 0, above row 0, before the first plane and
+/// beyond the last ones is there, filled with the zero point by the caller, and -zero * sum w is in the bias
+/// already.
 ///
 /// Ranges (the caller's duty; nothing overflows then): bytes of input and addend 0..127; weights -127..127;
 /// |bias| <= 2^30; 2^-40 <= scale < 1; in_channels a multiple of 4, 4..4096; 1 <= out_channels <= 4096; side
-/// 1 or 3; stride 1 or 2; dilation 1..4; columns, rows and first_row >= 0; strides >= 0, in bytes, those of
-/// an s16 output even. Rows, columns and pixels may overlap in memory only as input. Over-read: none: of each
-/// pixel that the formula names the in_channels bytes, of each addend the out_channels. Over-write: none: the
-/// bytes between the pixels' channels are left alone. Alignment: packed memory 64 bytes; input, addend and
-/// output that of their elements. Aliasing: the output overlaps nothing, but may be the addend itself, with
-/// its strides. Padded input channels (weights zero) may hold any byte 0..127.
+/// 1 or 3; depth 1 or 3; stride 1 or 2; dilation 1..4; columns, rows and first_row >= 0; strides >= 0, in
+/// bytes, those of an s16 output even. Rows, columns and pixels may overlap in memory only as input.
+/// Over-read: none: of each pixel that the formula names the in_channels bytes, of each addend the
+/// out_channels. Over-write: none: the bytes between the pixels' channels are left alone. Alignment: packed
+/// memory 64 bytes; input, addend and output that of their elements. Aliasing: the output overlaps nothing,
+/// but may be the addend itself, with its strides. Padded input channels (weights zero) may hold any byte
+/// 0..127.
 struct ConvU8S8 {
   const std::uint8_t* input = nullptr;   ///< pixel (0, 0) of the interior, not of the border
   std::int32_t input_row_stride = 0;     ///< bytes
   std::int32_t input_pixel_stride = 0;   ///< bytes
+  std::int64_t input_plane_stride = 0;   ///< bytes; depth 3 only
   const std::uint8_t* addend = nullptr;  ///< kAdd only
   std::int32_t addend_row_stride = 0;    ///< bytes
   std::int32_t addend_pixel_stride = 0;  ///< bytes
@@ -47,6 +53,7 @@ struct ConvU8S8 {
   std::int32_t in_channels = 0;
   std::int32_t out_channels = 0;
   std::int32_t side = 1;
+  std::int32_t depth = 1;  ///< planes of the window
   std::int32_t stride = 1;
   std::int32_t dilation = 1;
   ConvEpilogue epilogue = ConvEpilogue::kRelu;
@@ -58,7 +65,7 @@ struct ConvU8S8 {
 };
 
 /// Thread: any; calls that write different rows may run at once. RT: yes, O(rows * columns * out_channels *
-/// in_channels * side^2).
+/// in_channels * side^2 * depth).
 using ConvU8S8Function = void(const ConvU8S8& conv) noexcept;
 
 #define EGOFOCUS_CONV_U8S8(suffix, isa, tile_outputs, group_inputs) \

@@ -30,9 +30,10 @@ inline constexpr std::int32_t kMostUnits = 5;
 /// Runs of bytes that a pixel's sum reads one after the other: the taps, or whole rows of them where
 /// neighbouring pixels' channels follow each other without a gap.
 struct ConvRuns {
-  std::int64_t offset[9];  // bytes from the output pixel's own input pixel
+  std::int64_t offset[27];  // bytes from the output pixel's own input pixel
   std::int32_t count;
   std::int32_t channels;  // of one run
+  bool eights;            // whole rows, each pixel's eight bytes after its neighbour's
 };
 
 struct ConvBlock {
@@ -73,6 +74,7 @@ struct ConvBlockWidths {
   ConvBlocksFunction* narrower;
   ConvBlocksFunction* half;
   ConvBlocksFunction* single;
+  bool in_pairs = false;  // an odd number of pixels costs as much as the even one above it
 };
 
 /// A unit is what a block's outputs are counted in: a packed tile, or, where a tile is all that a block can
@@ -91,20 +93,25 @@ inline ConvRuns conv_taps(const ConvU8S8& conv, bool whole_rows = false) noexcep
   const std::int32_t across = whole_rows ? 1 : conv.side;
   ConvRuns runs{};
   runs.channels = whole_rows ? 3 * conv.in_channels : conv.in_channels;
-  for (std::int32_t ky = 0; ky < conv.side; ++ky) {
-    for (std::int32_t kx = 0; kx < across; ++kx) {
-      const std::int64_t y = ky * conv.dilation - half;
-      const std::int64_t x = kx * conv.dilation - half;
-      runs.offset[runs.count++] = y * conv.input_row_stride + x * conv.input_pixel_stride;
+  for (std::int32_t kz = 0; kz < conv.depth; ++kz) {
+    const std::int64_t plane = (kz - conv.depth / 2) * conv.input_plane_stride;
+    for (std::int32_t ky = 0; ky < conv.side; ++ky) {
+      for (std::int32_t kx = 0; kx < across; ++kx) {
+        const std::int64_t y = ky * conv.dilation - half;
+        const std::int64_t x = kx * conv.dilation - half;
+        runs.offset[runs.count++] = plane + y * conv.input_row_stride + x * conv.input_pixel_stride;
+      }
     }
   }
   return runs;
 }
 
 inline ConvRuns conv_runs(const ConvU8S8& conv, std::int32_t group_inputs) noexcept {
-  return conv_taps(conv, conv.side == 3 && conv.dilation == 1 &&
-                             conv.input_pixel_stride == conv.in_channels &&
-                             conv.in_channels % group_inputs == 0);
+  const bool dense = conv.side == 3 && conv.dilation == 1 && conv.input_pixel_stride == conv.in_channels;
+  const bool eights = dense && conv.stride == 1 && conv.in_channels == 8;
+  ConvRuns runs = conv_taps(conv, eights || (dense && conv.in_channels % group_inputs == 0));
+  runs.eights = eights;
+  return runs;
 }
 
 /// The runs of an output row, and their weights. Where nothing but zeros lies above and below the input,
@@ -120,10 +127,11 @@ struct ConvRowRuns {
     weights = first_weights;
     const std::int32_t first = row * conv.stride - conv.side / 2 * conv.dilation;
     const std::int32_t last = first + (conv.side - 1) * conv.dilation;
-    if (!conv.zeros_beyond || (first >= 0 && last < conv.input_rows)) return;
+    if (!conv.zeros_beyond || conv.depth != 1 || (first >= 0 && last < conv.input_rows)) return;
     const std::int32_t across = all.count / conv.side;
     some.count = 0;
     some.channels = all.channels;
+    some.eights = all.eights;
     for (std::int32_t ky = 0; ky < conv.side; ++ky) {
       const std::int32_t y = first + ky * conv.dilation;
       if (y < 0) weights += weights_per_ky;
@@ -166,7 +174,9 @@ inline void conv_row(ConvPlan& plan, std::int32_t columns) noexcept {
   // Blocks a little narrower than the widest lose next to nothing; a narrow rest would.
   const std::int32_t missing = blocks * widths.pixels - columns;
   const std::int32_t less = widths.pixels - widths.fewer;
-  const std::int32_t narrower = missing % less == 0 && missing / less <= blocks ? missing / less : 0;
+  const bool halved = widths.in_pairs && 2 * missing == widths.pixels;
+  const std::int32_t narrower =
+      !halved && missing % less == 0 && missing / less <= blocks ? missing / less : 0;
   std::int32_t left = columns - narrower * widths.fewer;
   if (narrower > 0) widths.narrower(plan, narrower);
   if (left >= widths.pixels) widths.widest(plan, left / widths.pixels);
@@ -226,7 +236,7 @@ inline void conv_by_blocks(const ConvU8S8& given, const ConvBody& body) noexcept
   plan.epilogue = conv.epilogue;
   plan.leave = body.leave[static_cast<int>(conv.epilogue)];
   plan.block.pixel_step = std::int64_t{conv.stride} * conv.input_pixel_stride;
-  plan.block.tile_stride = conv.side * conv.side * groups * inputs * tile;
+  plan.block.tile_stride = conv.depth * conv.side * conv.side * groups * inputs * tile;
   plan.block.runs = &runs;
   plan.block.sums = sums;
   plan.leaving.sums = sums;

@@ -47,6 +47,7 @@ template <int kPixelCount, int kUnitCount>
 struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
+  static constexpr bool kStartsEmpty = true;
   static_assert(kUnits == 1);
   int32x4_t acc[kPixels][4];
   int32x4_t bias;
@@ -122,6 +123,26 @@ struct Tile {
       }
       go_on(weights, 64);
     }
+  }
+
+  template <bool kFirst>
+  EGOFOCUS_INLINE void add_row_of_eights(const std::int8_t* from, const std::int8_t*& weights) noexcept {
+    int8x8_t x[kPixels + 2];
+    EGOFOCUS_UNROLL
+    for (int i = 0; i < kPixels + 2; ++i) x[i] = vld1_s8(from + 8 * i);
+    EGOFOCUS_UNROLL
+    for (int o = 0; o < 4; ++o) {
+      const int8x8_t w0 = vld1_s8(weights + 16 * o);
+      const int8x8_t w1 = vld1_s8(weights + 16 * o + 64);
+      const int8x8_t w2 = vld1_s8(weights + 16 * o + 128);
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < kPixels; ++p) {
+        const int16x8_t two = vmlal_s8(vmull_s8(x[p], w0), x[p + 1], w1);
+        acc[p][o] = kFirst ? vpaddlq_s16(two) : vpadalq_s16(acc[p][o], two);
+        acc[p][o] = vpadalq_s16(acc[p][o], vmull_s8(x[p + 2], w2));
+      }
+    }
+    go_on(weights, 192);
   }
 
   template <bool kAdd>

@@ -3,11 +3,20 @@
 namespace egofocus {
 namespace {
 
+/// The lane is a constant wherever this stands.
+EGOFOCUS_INLINE int32x4_t dot_lane(int32x4_t acc, int8x16_t weights, int8x16_t x, int lane) noexcept {
+  if (lane == 0) return vdotq_laneq_s32(acc, weights, x, 0);
+  if (lane == 1) return vdotq_laneq_s32(acc, weights, x, 1);
+  if (lane == 2) return vdotq_laneq_s32(acc, weights, x, 2);
+  return vdotq_laneq_s32(acc, weights, x, 3);
+}
+
 /// Four outputs a register, one instruction for four inputs of each.
 template <int kPixelCount, int kUnitCount>
 struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
+  static constexpr bool kStartsEmpty = false;
   int32x4_t acc[kPixels][kUnits];
 
   EGOFOCUS_INLINE void start(const std::int32_t* bias) noexcept {
@@ -61,6 +70,28 @@ struct Tile {
         add_group<0>(x, weights);
       }
     }
+  }
+
+  template <bool kFirst>
+  EGOFOCUS_INLINE void add_row_of_eights(const std::int8_t* from, const std::int8_t*& weights) noexcept {
+    int8x16_t x[(kPixels + 3) / 2];
+    EGOFOCUS_UNROLL
+    for (int i = 0; i < (kPixels + 2) / 2; ++i) x[i] = vld1q_s8(from + 16 * i);
+    if constexpr (kPixels % 2 != 0)
+      x[(kPixels + 1) / 2] = vcombine_s8(vld1_s8(from + 8 * (kPixels + 1)), vdup_n_s8(0));
+    EGOFOCUS_UNROLL
+    for (int group = 0; group < 6; ++group) {
+      int8x16_t w[kUnits];
+      EGOFOCUS_UNROLL
+      for (int u = 0; u < kUnits; ++u) w[u] = vld1q_s8(weights + 64 * group + 16 * u);
+      EGOFOCUS_UNROLL
+      for (int p = 0; p < kPixels; ++p) {
+        const int four = 2 * p + group;
+        EGOFOCUS_UNROLL
+        for (int u = 0; u < kUnits; ++u) acc[p][u] = dot_lane(acc[p][u], w[u], x[four / 4], four % 4);
+      }
+    }
+    go_on(weights, 384);
   }
 
   template <bool kAdd>

@@ -28,6 +28,7 @@ template <int kPixelCount, int kUnitCount>
 struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
+  static constexpr bool kStartsEmpty = false;
   static constexpr int kPairs = (kPixels + 1) / 2;
   static constexpr int kColumns = kUnits == 3 ? 8 : 2 * kUnits;
   static constexpr int kAtOnce = kUnits == 1 ? 2 : 4;
@@ -147,6 +148,23 @@ struct Tile {
     }
   }
 
+  /// Two neighbours' bytes lie side by side.
+  template <bool kFirst>
+  EGOFOCUS_INLINE void add_row_of_eights(const std::int8_t* from, const std::int8_t*& weights) noexcept {
+    int8x16_t even[kPairs + 1];
+    int8x16_t odd[kPairs];
+    EGOFOCUS_UNROLL
+    for (int p = 0; p < kPairs; ++p) {
+      even[p] = vld1q_s8(from + 16 * p);
+      odd[p] = vld1q_s8(from + 16 * p + 8);
+    }
+    const std::int8_t* last = from + 16 * kPairs;
+    even[kPairs] = kPixels % 2 != 0 ? vcombine_s8(vld1_s8(last), vdup_n_s8(0)) : vld1q_s8(last);
+    add_group(even, weights);
+    add_group(odd, weights);
+    add_group(even + 1, weights);
+  }
+
   template <bool kAdd>
   EGOFOCUS_INLINE void leave(ByteLeaving& leaving, const float* scales) const noexcept {
     constexpr int kHalves = kColumns / kAtOnce;
@@ -188,8 +206,8 @@ struct Tile {
 constexpr ConvBody kBody{kConvPacking_neonmm,
                          4,
                          4,
-                         {neon_widths<Tile, 8, 1>(), neon_widths<Tile, 8, 2>(), neon_widths<Tile, 4, 3>(),
-                          neon_widths<Tile, 4, 4>()},
+                         {neon_widths<Tile, 8, 1, true>(), neon_widths<Tile, 8, 2, true>(),
+                          neon_widths<Tile, 4, 3, true>(), neon_widths<Tile, 4, 4, true>()},
                          EGOFOCUS_LEAVE};
 
 }  // namespace

@@ -10,6 +10,7 @@ constexpr std::int64_t whole(std::int64_t count, std::int64_t unit) noexcept {
 }
 
 struct PackedSizes {
+  std::int64_t taps;
   std::int64_t outputs;      // padded to whole tiles
   std::int64_t inputs;       // padded to whole groups
   std::int64_t weights;      // bytes, aligned
@@ -18,9 +19,10 @@ struct PackedSizes {
 
 PackedSizes sizes_of(const ConvPacking& packing, const ConvWeights& layer) noexcept {
   PackedSizes sizes{};
+  sizes.taps = std::int64_t{layer.depth} * layer.side * layer.side;
   sizes.outputs = whole(std::int64_t{layer.copies} * layer.out_channels, packing.tile_outputs);
   sizes.inputs = whole(layer.in_channels, packing.group_inputs);
-  sizes.weights = whole(sizes.outputs * layer.side * layer.side * sizes.inputs, kConvPackedAlignment);
+  sizes.weights = whole(sizes.outputs * sizes.taps * sizes.inputs, kConvPackedAlignment);
   sizes.per_channel = whole(sizes.outputs * 4, kConvPackedAlignment);
   return sizes;
 }
@@ -38,7 +40,7 @@ PackedConv pack_conv_u8s8(const ConvPacking& packing, const ConvWeights& layer, 
   std::int8_t* weights = static_cast<std::int8_t*>(memory);
   std::int32_t* bias = reinterpret_cast<std::int32_t*>(weights + sizes.weights);
   float* scale = reinterpret_cast<float*>(weights + sizes.weights + sizes.per_channel);
-  const std::int64_t taps = std::int64_t{layer.side} * layer.side;
+  const std::int64_t taps = sizes.taps;
   const std::int64_t groups = sizes.inputs / packing.group_inputs;
   const std::int64_t block = std::int64_t{packing.tile_outputs} * packing.group_inputs;
   for (std::int64_t o = 0; o < std::int64_t{layer.copies} * layer.out_channels; ++o) {

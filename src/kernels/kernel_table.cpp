@@ -5,9 +5,12 @@
 #define EGOFOCUS_RUN_WARP_VOTE(suffix, isa) &checked_warp_vote<&warp_vote_u8_##suffix, Isa::isa>
 #define EGOFOCUS_RUN_CONV_U8S8(suffix, isa) \
   &checked_conv_u8s8<&conv_u8s8_##suffix, Isa::isa, kConvPacking_##suffix>
+#define EGOFOCUS_RUN_DEPTHWISE_U8S8(suffix, isa) \
+  &checked_depthwise_u8s8<&depthwise_u8s8_##suffix, Isa::isa, kDepthwisePacking_##suffix>
 #else
 #define EGOFOCUS_RUN_WARP_VOTE(suffix, isa) &warp_vote_u8_##suffix
 #define EGOFOCUS_RUN_CONV_U8S8(suffix, isa) &conv_u8s8_##suffix
+#define EGOFOCUS_RUN_DEPTHWISE_U8S8(suffix, isa) &depthwise_u8s8_##suffix
 #endif
 
 namespace egofocus {
@@ -30,6 +33,15 @@ ChosenConvU8S8 select_conv_u8s8(IsaSet allowed) noexcept {
   return {};
 }
 
+ChosenDepthwiseU8S8 select_depthwise_u8s8(IsaSet allowed) noexcept {
+#define EGOFOCUS_DEPTHWISE_U8S8(suffix, isa, block_channels, by_columns) \
+  if (has_isa(allowed, Isa::isa))                                        \
+    return {{EGOFOCUS_RUN_DEPTHWISE_U8S8(suffix, isa), Isa::isa}, kDepthwisePacking_##suffix};
+#include "kernels/depthwise_u8s8.inc"
+#undef EGOFOCUS_DEPTHWISE_U8S8
+  return {};
+}
+
 }  // namespace
 
 KernelTable select_kernels(IsaSet allowed) noexcept {
@@ -37,6 +49,7 @@ KernelTable select_kernels(IsaSet allowed) noexcept {
   KernelTable table;
   table.warp_vote = select_warp_vote(with_scalar);
   table.conv_u8s8 = select_conv_u8s8(with_scalar);
+  table.depthwise_u8s8 = select_depthwise_u8s8(with_scalar);
   return table;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "kernels/conv_u8s8.hpp"
+#include "kernels/depthwise_u8s8.hpp"
 #include "kernels/isa.hpp"
 #include "kernels/warp_vote.hpp"
 
@@ -21,9 +22,14 @@ struct ChosenConvU8S8 : ChosenKernel<ConvU8S8Function> {
   ConvPacking packing;
 };
 
+struct ChosenDepthwiseU8S8 : ChosenKernel<DepthwiseU8S8Function> {
+  DepthwisePacking packing;
+};
+
 struct KernelTable {
   ChosenKernel<WarpVoteFunction> warp_vote;
   ChosenConvU8S8 conv_u8s8;
+  ChosenDepthwiseU8S8 depthwise_u8s8;
 };
 
 /// The best compiled variant of each op among `allowed`, the scalar one where there is no other. Pass

@@ -10,7 +10,7 @@ namespace {
 
 // The layer's weights in the scalar variant's order, from the packing that `conv` came with.
 std::vector<std::int8_t> scalar_weights(const ConvPacking& packing, const ConvU8S8& conv) {
-  const std::int64_t taps = std::int64_t{conv.side} * conv.side;
+  const std::int64_t taps = std::int64_t{conv.depth} * conv.side * conv.side;
   const std::int64_t group = packing.group_inputs;
   const std::int64_t groups = (conv.in_channels + group - 1) / group;
   const std::int64_t tile = packing.tile_outputs;
@@ -84,12 +84,54 @@ void check_conv_u8s8(ConvU8S8Function* run, Isa isa, const ConvPacking& packing,
         std::fprintf(
             stderr,
             "egofocus: conv_u8s8 %s differs from scalar: row %d, column %d, output %d: byte %d in place "
-            "of %d (%dx%d, %d -> %d, stride %d, dilation %d, epilogue %d)\n",
-            isa_name(isa), row, column, at / element, got[at], right[at], conv.side, conv.side,
+            "of %d (%dx%dx%d, %d -> %d, stride %d, dilation %d, epilogue %d)\n",
+            isa_name(isa), row, column, at / element, got[at], right[at], conv.depth, conv.side, conv.side,
             conv.in_channels, conv.out_channels, conv.stride, conv.dilation, static_cast<int>(conv.epilogue));
         std::abort();
       }
     }
+  }
+}
+
+void check_depthwise_u8s8(DepthwiseU8S8Function* run, Isa isa, const DepthwisePacking& packing,
+                          const DepthwiseU8S8& conv) noexcept {
+  // The layer as it was given, from the first block that has the channel.
+  std::vector<std::int8_t> weights;
+  std::vector<std::int32_t> bias;
+  std::vector<float> scale;
+  for (std::int32_t c = 0; c < conv.channels; ++c) {
+    const DepthwisePlace at = depthwise_place(packing, c);
+    for (std::int32_t tap = 0; tap < 9; ++tap) weights.push_back(conv.packed.weights[at.of_tap[tap]]);
+    bias.push_back(conv.packed.bias[at.of_channel]);
+    scale.push_back(conv.packed.scale[at.of_channel]);
+  }
+  DepthwiseU8S8 scalar = conv;
+  scalar.packed = {weights.data(), bias.data(), scale.data()};
+  scalar.output_pixel_stride = conv.channels;
+  scalar.output_row_stride = conv.columns * conv.channels;
+  // First, since the output may be the addend itself.
+  std::vector<std::uint8_t> meant(static_cast<std::size_t>(conv.first_row + conv.rows) *
+                                  static_cast<std::size_t>(scalar.output_row_stride));
+  scalar.output = meant.data();
+  depthwise_u8s8_scalar(scalar);
+  run(conv);
+  for (std::int64_t i = std::int64_t{conv.first_row} * scalar.output_row_stride;
+       i < static_cast<std::int64_t>(meant.size()); ++i) {
+    const std::int64_t row = i / scalar.output_row_stride;
+    const std::int64_t column = i % scalar.output_row_stride / conv.channels;
+    const std::int64_t c = i % conv.channels;
+    const std::uint8_t got =
+        conv.output[row * conv.output_row_stride + column * conv.output_pixel_stride + c];
+    const std::uint8_t right = meant[static_cast<std::size_t>(i)];
+    if (got == right) continue;
+    std::fprintf(stderr,
+                 "egofocus: depthwise_u8s8 %s differs from scalar: row %lld, column %lld, channel %lld: byte "
+                 "%d in place "
+                 "of %d (%d channels, stride %d, dilation %d, epilogue %d)\n",
+                 isa_name(isa), static_cast<long long>(row), static_cast<long long>(column),
+                 static_cast<long long>(c), got, right, conv.channels, conv.stride, conv.dilation,
+                 static_cast<int>(conv.epilogue));
+    std::abort();
   }
 }
 

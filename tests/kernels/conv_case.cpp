@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <sstream>
 
@@ -16,29 +15,24 @@ std::size_t extent(std::int64_t rows, std::int64_t row, std::int64_t columns, st
   return static_cast<std::size_t>((rows - 1) * row + (columns - 1) * pixel + channels);
 }
 
+std::size_t volume(std::int64_t planes, std::int64_t plane, std::size_t last) {
+  return last == 0 ? 0 : static_cast<std::size_t>((planes - 1) * plane) + last;
+}
+
 /// 0..1
 double unit(std::mt19937& random) {
   return static_cast<double>(random()) / 4294967296.0;
 }
 
-struct AlignedMemory {
-  explicit AlignedMemory(std::int64_t bytes)
-      : data(std::aligned_alloc(kConvPackedAlignment, static_cast<std::size_t>(bytes))) {}
-  ~AlignedMemory() { std::free(data); }
-  AlignedMemory(const AlignedMemory&) = delete;
-  AlignedMemory& operator=(const AlignedMemory&) = delete;
-  void* data;
-};
-
 }  // namespace
 
 std::string describe(const ConvCaseShape& s) {
   std::ostringstream text;
-  text << s.side << "x" << s.side << " stride " << s.stride << " dilation " << s.dilation << " "
-       << s.in_channels << " (-" << s.missing_channels << ") -> " << s.out_channels << ", columns "
+  text << s.depth << "x" << s.side << "x" << s.side << " stride " << s.stride << " dilation " << s.dilation
+       << " " << s.in_channels << " (-" << s.missing_channels << ") -> " << s.out_channels << ", columns "
        << s.columns << ", rows " << s.first_row << " + " << s.rows << ", epilogue "
        << static_cast<int>(s.epilogue) << ", gaps " << s.input_gap << " " << s.output_gap << " " << s.row_gap
-       << (s.in_place ? ", in place" : "") << (s.zeros_beyond ? ", zeros beyond" : "");
+       << " " << s.plane_gap << (s.in_place ? ", in place" : "") << (s.zeros_beyond ? ", zeros beyond" : "");
   return text.str();
 }
 
@@ -49,10 +43,12 @@ ConvCase::ConvCase(const ConvCaseShape& s, ConvFill fill, std::uint32_t seed)
       input_rows_((s.first_row + s.rows - 1) * s.stride + 1 + 2 * border_),
       input_pixel_(s.in_channels + s.input_gap),
       input_row_(input_columns_ * input_pixel_ + s.row_gap),
+      input_plane_(input_rows_ * input_row_ + s.plane_gap),
       element_bytes_(s.epilogue == ConvEpilogue::kScore ? 2 : 1),
       output_pixel_(s.out_channels + s.output_gap),
       output_row_(s.columns * output_pixel_ + s.row_gap),
-      input_(extent(input_rows_, input_row_, input_columns_, input_pixel_, s.in_channels)),
+      input_(volume(s.depth, input_plane_,
+                    extent(input_rows_, input_row_, input_columns_, input_pixel_, s.in_channels))),
       output_(static_cast<std::size_t>(element_bytes_) *
               extent(s.first_row + s.rows, output_row_, s.columns, output_pixel_, s.out_channels)),
       addend_(output_.size()),
@@ -66,7 +62,7 @@ ConvCase::ConvCase(const ConvCaseShape& s, ConvFill fill, std::uint32_t seed)
 
 void ConvCase::fill_layer(ConvFill fill, std::mt19937& random) {
   const std::size_t source = static_cast<std::size_t>(shape_.in_channels - shape_.missing_channels);
-  const std::size_t terms = static_cast<std::size_t>(shape_.side * shape_.side) * source;
+  const std::size_t terms = static_cast<std::size_t>(shape_.depth * shape_.side * shape_.side) * source;
   const std::size_t outputs = static_cast<std::size_t>(shape_.out_channels);
   weights_.resize(outputs * terms);
   bias_.resize(outputs);
@@ -92,9 +88,11 @@ void ConvCase::fill_layer(ConvFill fill, std::mt19937& random) {
 
 void ConvCase::fill_input(ConvFill fill, std::mt19937& random) {
   for (std::uint8_t& byte : input_) byte = static_cast<std::uint8_t>(random());
-  for (std::int32_t y = 0; y < input_rows_; ++y) {
+  for (std::int32_t row = 0; row < shape_.depth * input_rows_; ++row) {
+    const std::int32_t y = row % input_rows_;
     for (std::int32_t x = 0; x < input_columns_; ++x) {
-      std::uint8_t* pixel = input_.data() + std::int64_t{y} * input_row_ + std::int64_t{x} * input_pixel_;
+      std::uint8_t* pixel = input_.data() + std::int64_t{row / input_rows_} * input_plane_ +
+                            std::int64_t{y} * input_row_ + std::int64_t{x} * input_pixel_;
       for (std::int32_t i = 0; i < shape_.in_channels; ++i) {
         if (fill == ConvFill::kRandom || i >= shape_.in_channels - shape_.missing_channels) {
           pixel[i] = static_cast<std::uint8_t>(random() & 127);
@@ -121,13 +119,16 @@ std::vector<std::uint8_t> ConvCase::run(ConvU8S8Function* function, const ConvPa
   layer.in_channels = shape_.in_channels;
   layer.out_channels = shape_.out_channels;
   layer.side = shape_.side;
+  layer.depth = shape_.depth;
   const AlignedMemory memory(conv_packed_bytes(packing, layer));
 
   std::copy(start_.begin(), start_.end(), output_.begin());
   ConvU8S8 conv;
-  conv.input = input_.data() + std::int64_t{border_} * (input_row_ + input_pixel_);
+  conv.input =
+      input_.data() + shape_.depth / 2 * input_plane_ + std::int64_t{border_} * (input_row_ + input_pixel_);
   conv.input_row_stride = input_row_;
   conv.input_pixel_stride = input_pixel_;
+  conv.input_plane_stride = input_plane_;
   conv.zeros_beyond = shape_.zeros_beyond;
   conv.input_rows = input_rows_ - 2 * border_;
   if (shape_.epilogue == ConvEpilogue::kAdd) {
@@ -142,6 +143,7 @@ std::vector<std::uint8_t> ConvCase::run(ConvU8S8Function* function, const ConvPa
   conv.in_channels = shape_.in_channels;
   conv.out_channels = shape_.out_channels;
   conv.side = shape_.side;
+  conv.depth = shape_.depth;
   conv.stride = shape_.stride;
   conv.dilation = shape_.dilation;
   conv.epilogue = shape_.epilogue;
@@ -157,24 +159,27 @@ std::vector<std::int64_t> ConvCase::sums() {
   const std::int32_t outputs = shape_.out_channels;
   std::vector<std::int64_t> sums(static_cast<std::size_t>((shape_.first_row + shape_.rows) * shape_.columns) *
                                  static_cast<std::size_t>(outputs));
-  for (std::int32_t y = 0; y < input_rows_; ++y) {
-    for (std::int32_t x = 0; x < input_columns_; ++x) {
-      const std::uint8_t* pixel =
-          input_.data() + std::int64_t{y} * input_row_ + std::int64_t{x} * input_pixel_;
-      for (std::int32_t tap = 0; tap < shape_.side * shape_.side; ++tap) {
-        const std::int32_t from_row = y - tap / shape_.side * shape_.dilation;
-        const std::int32_t from_column = x - tap % shape_.side * shape_.dilation;
-        if (from_row < 0 || from_column < 0) continue;
-        if (from_row % shape_.stride != 0 || from_column % shape_.stride != 0) continue;
-        const std::int32_t row = from_row / shape_.stride;
-        const std::int32_t column = from_column / shape_.stride;
-        if (row >= shape_.first_row + shape_.rows || column >= shape_.columns) continue;
-        for (std::int32_t o = 0; o < outputs; ++o) {
-          const std::int8_t* weight =
-              weights_.data() + (std::int64_t{o} * shape_.side * shape_.side + tap) * source;
-          std::int64_t& sum = sums[static_cast<std::size_t>((row * shape_.columns + column) * outputs + o)];
-          for (std::int32_t i = 0; i < source; ++i) sum += std::int64_t{weight[i]} * pixel[i];
-        }
+  const std::int32_t taps = shape_.side * shape_.side;
+  const std::int32_t columns = std::max(input_columns_, 0);  // no output column, and no border
+  for (std::int32_t from = 0; from < shape_.depth * input_rows_ * columns; ++from) {
+    const std::int32_t z = from / columns / input_rows_;
+    const std::int32_t y = from / columns % input_rows_;
+    const std::int32_t x = from % columns;
+    const std::uint8_t* pixel = input_.data() + std::int64_t{z} * input_plane_ +
+                                std::int64_t{y} * input_row_ + std::int64_t{x} * input_pixel_;
+    for (std::int32_t tap = 0; tap < taps; ++tap) {
+      const std::int32_t from_row = y - tap / shape_.side * shape_.dilation;
+      const std::int32_t from_column = x - tap % shape_.side * shape_.dilation;
+      if (from_row < 0 || from_column < 0) continue;
+      if (from_row % shape_.stride != 0 || from_column % shape_.stride != 0) continue;
+      const std::int32_t row = from_row / shape_.stride;
+      const std::int32_t column = from_column / shape_.stride;
+      if (row >= shape_.first_row + shape_.rows || column >= shape_.columns) continue;
+      for (std::int32_t o = 0; o < outputs; ++o) {
+        const std::int8_t* weight =
+            weights_.data() + ((std::int64_t{o} * shape_.depth + z) * taps + tap) * source;
+        std::int64_t& sum = sums[static_cast<std::size_t>((row * shape_.columns + column) * outputs + o)];
+        for (std::int32_t i = 0; i < source; ++i) sum += std::int64_t{weight[i]} * pixel[i];
       }
     }
   }

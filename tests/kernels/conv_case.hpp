@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
@@ -15,6 +16,16 @@ namespace egofocus::test {
 enum class ConvFill { kRandom, kAllMin, kAllMax, kAlternating };
 inline constexpr ConvFill kEveryConvFill[] = {ConvFill::kRandom, ConvFill::kAllMin, ConvFill::kAllMax,
                                               ConvFill::kAlternating};
+
+/// For packed weights.
+struct AlignedMemory {
+  explicit AlignedMemory(std::int64_t bytes)
+      : data(std::aligned_alloc(kConvPackedAlignment, static_cast<std::size_t>(bytes))) {}
+  ~AlignedMemory() { std::free(data); }
+  AlignedMemory(const AlignedMemory&) = delete;
+  AlignedMemory& operator=(const AlignedMemory&) = delete;
+  void* data;
+};
 
 struct ConvCaseShape {
   std::int32_t in_channels;
@@ -32,6 +43,8 @@ struct ConvCaseShape {
   std::int32_t row_gap = 0;           ///< elements between rows
   bool in_place = false;              ///< the output is the addend
   bool zeros_beyond = false;          ///< above and below the input, and the call says so
+  std::int32_t depth = 1;
+  std::int32_t plane_gap = 0;  ///< bytes between input planes
 };
 
 std::string describe(const ConvCaseShape& shape);
@@ -58,6 +71,7 @@ class ConvCase {
   std::int32_t input_rows_;     // with borders
   std::int32_t input_pixel_;    // bytes
   std::int32_t input_row_;      // bytes
+  std::int32_t input_plane_;    // bytes
   std::int32_t element_bytes_;  // of the output
   std::int32_t output_pixel_;   // elements
   std::int32_t output_row_;     // elements

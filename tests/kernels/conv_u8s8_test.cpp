@@ -84,6 +84,23 @@ std::vector<ConvCaseShape> shapes() {
       }
     }
   }
+  // Three planes; and eight dense inputs, which a body may read as whole rows.
+  for (std::int32_t side : {1, 3}) {
+    for (std::int32_t i : {4, 8, 16, 20}) {
+      for (std::int32_t o : {1, 4, 7, 8, 12, 16, 48}) {
+        all.push_back({i, o, side, 1, 1, 11, 2, epilogue(), 0, 0, 0, 0, 0, false, o % 8 == 0, 3, 5});
+        all.push_back({i, o, side, 2, 1, 6, 1, epilogue(), 1, 1, i % 8, 3, 2, false, false, 3});
+      }
+    }
+  }
+  for (std::int32_t depth : {1, 3}) {
+    for (std::int32_t columns : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 17, 18, 19, 27, 44}) {
+      for (std::int32_t o : {4, 8, 12, 16}) {
+        all.push_back({8, o, 3, 1, 1, columns, 2, epilogue(), 0, 0, 0, 0, 0, false, columns % 2 == 0, depth});
+      }
+    }
+  }
+  all.push_back({4, 1, 1, 1, 1, 33, 2, ConvEpilogue::kScore, 0, 0, 0, 0, 0, false, false, 3});
   all.push_back({144, 48, 1, 1, 1, 21, 2, ConvEpilogue::kRelu, 0, 5});
   all.push_back({4, 4, 3, 1, 1, 33, 2, ConvEpilogue::kRelu, 0, 0, 0, 140});  // into another tensor's channels
   all.push_back({4, 1, 1, 1, 1, 33, 2, ConvEpilogue::kScore, 0, 0, 140, 31});
@@ -144,6 +161,8 @@ TEST_CASE("conv_u8s8: random shapes") {
       shape.output_gap = below(2) * below(20);
       shape.row_gap = below(20);
       shape.zeros_beyond = below(2) == 1;
+      shape.depth = 1 + 2 * below(2);
+      shape.plane_gap = below(2) * below(100);
       shape.in_place = shape.epilogue == ConvEpilogue::kAdd && below(2) == 1;
       const std::uint32_t seed = static_cast<std::uint32_t>(random());
       INFO(row.name << " round " << round << " " << describe(shape) << " seed " << seed);

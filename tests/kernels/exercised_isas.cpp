@@ -26,6 +26,8 @@ IsaSet bodies_of(const std::string& op) {
     return set_of(
         {Isa::kSse41, Isa::kAvx2, Isa::kAvxVnni, Isa::kAvx512Vnni, Isa::kNeon, Isa::kNeonDot, Isa::kNeonMm});
   }
+  if (op == "depthwise_u8s8")
+    return set_of({Isa::kSse41, Isa::kAvx2, Isa::kAvxVnni, Isa::kAvx512Vnni, Isa::kNeon, Isa::kNeonDot});
   return set_of({Isa::kSse41, Isa::kAvx2, Isa::kAvx512, Isa::kNeon});
 }
 

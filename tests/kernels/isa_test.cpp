@@ -40,6 +40,9 @@ TEST_CASE("a mask lowers what is chosen, down to scalar") {
     REQUIRE((table.warp_vote.isa == isa || table.warp_vote.isa == Isa::kScalar));
     REQUIRE(table.conv_u8s8.run != nullptr);
     REQUIRE((table.conv_u8s8.isa == isa || table.conv_u8s8.isa == Isa::kScalar));
+    REQUIRE(table.depthwise_u8s8.run != nullptr);
+    REQUIRE((table.depthwise_u8s8.isa == isa || table.depthwise_u8s8.isa == Isa::kScalar));
+    REQUIRE((table.depthwise_u8s8.packing.block_channels > 1) == (table.depthwise_u8s8.isa != Isa::kScalar));
     REQUIRE((table.conv_u8s8.packing.tile_outputs > 1) == (table.conv_u8s8.isa != Isa::kScalar));
   }
 #ifdef EGOFOCUS_HAVE_AVX2
