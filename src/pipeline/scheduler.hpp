@@ -29,8 +29,8 @@ class Scheduler {
   /// the clock stands then.
   std::int64_t wait(const Clock& clock, const std::atomic<bool>& stopping) noexcept;
 
-  /// Before a tick's work that could only begin too late: moves to the newest grid point whose deadline is not
-  /// after `now_us`. Returns the number of points passed over.
+  /// Before a tick's work that could only begin too late: moves to the newest grid point whose deadline is
+  /// not after `now_us`. Returns the number of points passed over.
   std::uint64_t catch_up(std::int64_t now_us) noexcept;
 
   /// After the tick's work: moves to the next grid point whose deadline is not before `now_us`. Returns the
