@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Instructions a multiply-add of each ARM body of conv_u8s8, executed under qemu-user with its counting plugin.
+"""Instructions a multiply-add of each ARM body of conv_u8s8 and depthwise_u8s8, executed under qemu-user with its counting plugin.
 
 usage: bench/count_instructions.py [--layers compared|base|small|all] [--compiler g++|clang] [--json FILE]
        bench/count_instructions.py --tick RECORDING MODEL [--threads N] [--json FILE]
@@ -31,14 +31,15 @@ CONVOLUTION = re.compile(r"9blocks_of|_1\d+conv_|leave_as|conv_u8s8")
 COMMAND_LINE = re.compile(r"^_ZZ?N?K?(8egofocus3app|9__gnu_cxx|St)")
 # The pool itself: how long a thread waits is the machine's, not the tick's.
 WAITING = re.compile(r"10WorkerPool(10wait_while|4wake|4work|3run)|^pthread|^sched|futex|^syscall")
-COMPARED = ("3x3_32_32", "3x3_64_64", "1x1_64_64", "3x3s2_32_64")
+COMPARED = ("3x3_32_32", "3x3_64_64", "1x1_64_64", "3x3s2_32_64", "3x3x3_8_8", "depthwise_48")
 # XNNPACK and ncnn, counted in the same way (warm, requantisation included, the better of two compilers) on the same shapes.
 PEERS = {
-    "neondot": {"XNNPACK": (.095, .086, .110, .094), "ncnn": (.109, .091, .122, .097)},
-    "neonmm": {"XNNPACK": (.069, .057, .089, .068), "ncnn": (.075, .059, .093, .065)},
-    "neon": {"XNNPACK": (.289, .272, .317, .288), "ncnn": (.270, .254, .295, .261)},
+    "neondot": {"XNNPACK": (.095, .086, .110, .094, .211, .800), "ncnn": (.109, .091, .122, .097, None, .603)},
+    "neonmm": {"XNNPACK": (.069, .057, .089, .068, .170, .800), "ncnn": (.075, .059, .093, .065, None, .603)},
+    "neon": {"XNNPACK": (.289, .272, .317, .288, .324, .800), "ncnn": (.270, .254, .295, .261, None, .603)},
 }
-GOALS = {"neondot": (.081, .080, .105, .082), "neonmm": (.051, .050, .080, .059), "neon": (.25, .25, .28, .25)}
+GOALS = {"neondot": (.081, .080, .105, .082, .087, .36), "neonmm": (.051, .050, .080, .059, .056, .36),
+         "neon": (.25, .25, .28, .25, .28, .50)}
 
 
 def missing(what, package):
@@ -111,6 +112,9 @@ def count_layers(counter, program, wanted):
         if body in BODIES and wanted in ("all", of):
             calls = [counter.all(program, body, layer, n) for n in (1, 2)]
             counted[body, layer] = (calls[1] - calls[0], float(multiply_adds), int(times), of)
+    for body, layer in list(counted):
+        if body == "neondot":
+            counted.setdefault(("neonmm", layer), counted[body, layer])  # no body of its own: this one runs
     return counted
 
 
@@ -121,7 +125,7 @@ def print_compared(results):
             ours = [counted[body, layer][0] / counted[body, layer][1] for layer in COMPARED]
             print(f"{body} {compiler}".ljust(28) + "".join(f"{value:14.4f}" for value in ours))
         for peer, values in PEERS[body].items():
-            print(f"  {peer}".ljust(28) + "".join(f"{value:14.3f}" for value in values))
+            print(f"  {peer}".ljust(28) + "".join("none".rjust(14) if value is None else f"{value:14.3f}" for value in values))
         print("  goal".ljust(28) + "".join(f"{value:14.3f}" for value in GOALS[body]))
 
 
