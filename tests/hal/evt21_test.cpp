@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "evt_printing.hpp"
-#include "evt_words.hpp"
+#include "made_evt_words.hpp"
 #include "hal/evt21_decoder.hpp"
 
 using namespace egofocus;

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "evt_printing.hpp"
-#include "evt_words.hpp"
+#include "made_evt_words.hpp"
 #include "hal/evt3_decoder.hpp"
 #include "hal/evt_decoder.hpp"
 #include "support/source_dir.hpp"

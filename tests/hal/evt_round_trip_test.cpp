@@ -3,7 +3,7 @@
 #include <random>
 
 #include "evt_printing.hpp"
-#include "evt_words.hpp"
+#include "made_evt_words.hpp"
 #include "hal/evt21_encoder.hpp"
 #include "hal/evt2_encoder.hpp"
 #include "hal/evt3_encoder.hpp"

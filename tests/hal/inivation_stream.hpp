@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <vector>
 
-#include "evt_words.hpp"
+#include "made_evt_words.hpp"
 
 namespace inivation {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/clock.hpp"
-#include "evt_words.hpp"
+#include "made_evt_words.hpp"
 #include "hal/usb_io.hpp"
 
 namespace scripted {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/inlets.hpp"
-#include "evt_words.hpp"
+#include "made_evt_words.hpp"
 #include "hal/scripted_v4l2.hpp"
 #include "hal/v4l2_source.hpp"
 
