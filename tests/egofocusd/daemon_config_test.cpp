@@ -78,11 +78,11 @@ TEST_CASE("each key that the program knows stands in the default") {
     REQUIRE(problems.size() == 1);
     const std::size_t begin = problems[0].find("Known keys: ") + 12;
     std::string list = problems[0].substr(begin, problems[0].size() - begin - 1) + ",";
-    const std::string text = kDefault.substr(kDefault.find("[" + section + "]"));
+    const std::string text = kDefault.substr(kDefault.find("\n[" + section + "]"));
     for (std::size_t end = list.find(','); end != std::string::npos; end = list.find(',')) {
       const std::string key = list.substr(0, end);
       INFO(section << ": " << key);
-      const std::size_t next_section = text.find("\n[");
+      const std::size_t next_section = text.find("\n[", 1);
       const std::size_t at = std::min(text.find("\n" + key + " = "), text.find("\n# " + key + " = "));
       CHECK(at < next_section);
       list.erase(0, std::min(list.size(), end + 2));

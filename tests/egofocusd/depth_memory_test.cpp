@@ -138,7 +138,8 @@ TEST_CASE("no reader ever gets a frame of two") {
   Reader in_order(memory);
   Reader newest(memory);
   int got = 0;
-  for (int turn = 0; turn < 2'000'000 && got < 20'000; ++turn) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  for (int turn = 0; got < 1000 && std::chrono::steady_clock::now() < end; ++turn) {
     Reader& reader = turn % 2 == 0 ? in_order : newest;
     const std::int64_t before = reader.reader.last == 0 ? 0 : reader.info.t_us;
     const int result = turn % 2 == 0 ? reader.next() : reader.newest();

@@ -194,12 +194,23 @@ TEST_CASE("conv_u8s8: copies of a layer are a layer with zeros off its diagonal"
   constexpr std::int8_t kWeights[] = {1, 2, 3, 4, 5, 6};  // [2][1][1][3]
   constexpr std::int32_t kBias[] = {100, 200};
   constexpr float kScale[] = {0.5f, 0.25f};
-  const ConvWeights two{kWeights, kBias, kScale, 3, 8, 2, 1, 2};
+  const ConvWeights two{.weights = kWeights,
+                        .bias = kBias,
+                        .scale = kScale,
+                        .source_channels = 3,
+                        .in_channels = 8,
+                        .out_channels = 2,
+                        .copies = 2};
   constexpr std::int8_t kWhole[] = {1, 2, 3, 0, 0, 0, 0, 0, 4, 5, 6, 0, 0, 0, 0, 0,
                                     0, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0, 0, 4, 5, 6, 0};
   constexpr std::int32_t kBiases[] = {100, 200, 100, 200};
   constexpr float kScales[] = {0.5f, 0.25f, 0.5f, 0.25f};
-  const ConvWeights whole{kWhole, kBiases, kScales, 8, 8, 4, 1, 1};
+  const ConvWeights whole{.weights = kWhole,
+                          .bias = kBiases,
+                          .scale = kScales,
+                          .source_channels = 8,
+                          .in_channels = 8,
+                          .out_channels = 4};
   for (const ConvPacking& packing :
        {ConvPacking{1, 1}, ConvPacking{2, 4}, ConvPacking{16, 4}, ConvPacking{4, 16}}) {
     INFO(packing.tile_outputs << " x " << packing.group_inputs);
