@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
 #include "evt_printing.hpp"
-#include "made_evt_words.hpp"
 #include "hal/evt21_decoder.hpp"
+#include "made_evt_words.hpp"
 
 using namespace egofocus;
 using namespace evt_words;

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "evt_printing.hpp"
-#include "made_evt_words.hpp"
 #include "hal/evt3_decoder.hpp"
 #include "hal/evt_decoder.hpp"
+#include "made_evt_words.hpp"
 #include "support/source_dir.hpp"
 
 using namespace egofocus;

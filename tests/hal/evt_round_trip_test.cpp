@@ -3,11 +3,11 @@
 #include <random>
 
 #include "evt_printing.hpp"
-#include "made_evt_words.hpp"
 #include "hal/evt21_encoder.hpp"
 #include "hal/evt2_encoder.hpp"
 #include "hal/evt3_encoder.hpp"
 #include "hal/evt_decoder.hpp"
+#include "made_evt_words.hpp"
 
 using namespace egofocus;
 using evt_words::Bytes;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/clock.hpp"
-#include "made_evt_words.hpp"
 #include "hal/usb_io.hpp"
+#include "made_evt_words.hpp"
 
 namespace scripted {
 

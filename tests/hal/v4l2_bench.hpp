@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/inlets.hpp"
-#include "made_evt_words.hpp"
 #include "hal/scripted_v4l2.hpp"
 #include "hal/v4l2_source.hpp"
+#include "made_evt_words.hpp"
 
 namespace egofocus {
 

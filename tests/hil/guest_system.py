@@ -12,13 +12,26 @@ import subprocess
 import tarfile
 
 ARCHES = ("amd64", "arm64")
-MIRROR = os.environ.get("EGOFOCUS_DEBIAN_MIRROR", "http://deb.debian.org")
 SUITE = "bookworm"
 KEYRING = "/usr/share/keyrings/debian-archive-keyring.gpg"
 # What is kept of a kernel's modules; the rest is most of its 400 MB.
 MODULE_FOLDERS = ("net", "lib", "crypto", "fs/configfs", "drivers/net/can", "drivers/net/mii", "drivers/usb", "drivers/media",
                   "drivers/virtio", "drivers/char", "drivers/i2c", "drivers/input", "drivers/tty", "drivers/base",
                   "drivers/dma-buf", "drivers/hid")
+
+
+def repositories():
+    """(URI, suite) of Debian's archives: those that this machine's own apt knows, or below EGOFOCUS_DEBIAN_MIRROR."""
+    wanted = (SUITE, f"{SUITE}-updates", f"{SUITE}-security")
+    mirror = os.environ.get("EGOFOCUS_DEBIAN_MIRROR")
+    if mirror:
+        return [(f"{mirror}/debian-security" if suite.endswith("-security") else f"{mirror}/debian", suite) for suite in wanted]
+    known = subprocess.run(["apt-get", "indextargets", "--format", "$(REPO_URI) $(RELEASE)", "Created-By: Packages"], text=True,
+                           stdout=subprocess.PIPE, check=False).stdout.split("\n")
+    found = sorted({tuple(line.split()) for line in known if line.split()[1:] and line.split()[1] in wanted})
+    if not any(suite == SUITE for _, suite in found):
+        raise SystemExit(f"error: this machine's apt knows no archive of Debian {SUITE}: set EGOFOCUS_DEBIAN_MIRROR to one.")
+    return found
 
 
 class Apt:
@@ -30,9 +43,7 @@ class Apt:
             (folder / name).mkdir(parents=True, exist_ok=True)
         (folder / "status").touch()
         sources = folder / "etc/sources.list"
-        sources.write_text("".join(
-            f"deb [signed-by={KEYRING}] {MIRROR}/{path} {suite} main\n"
-            for path, suite in (("debian", SUITE), ("debian", f"{SUITE}-updates"), ("debian-security", f"{SUITE}-security"))))
+        sources.write_text("".join(f"deb [signed-by={KEYRING}] {uri} {suite} main\n" for uri, suite in repositories()))
         settings = {"APT::Architecture": arch, "APT::Architectures": arch, "APT::Sandbox::User": "root",
                     "Dir::Etc::SourceList": sources, "Dir::Etc::SourceParts": "-", "Dir::State": folder / "state",
                     "Dir::State::status": folder / "status", "Dir::Cache": folder / "cache", "Acquire::Retries": "3",
