@@ -16,6 +16,7 @@ from egofocus_training.dataset import WindowDataset
 from egofocus_training.evaluate import load_network
 from egofocus_training.integer_model import IntegerModel
 from egofocus_training.machine import only_run
+from egofocus_training.mean_weights import mean
 from egofocus_training.overfit import overfit
 from egofocus_training.quantisation import is_quantised
 from egofocus_training.samples import find_shards
@@ -277,3 +278,16 @@ def test_the_programs(folder, tmp_path):
     assert (tmp_path / "out2" / "checkpoint.pt").exists()
     missing = program("train", "--config", str(tmp_path / "none.toml"), "--out", out)
     assert missing.returncode == 3 and "none.toml" in missing.stderr
+
+
+def test_the_mean_of_trainings_is_that_of_their_numbers(tmp_path):
+    facts = {"network": {"widths": [16]}}
+    for name, value, count, extra in (("a.pt", 1.0, 3, {}), ("b.pt", 2.0, 5, {}), ("c.pt", 2.0, 5, {"more": torch.zeros(1)})):
+        network = {"w": torch.full((2, 3), value), "count": torch.tensor(count), **extra}
+        checkpoint.write(tmp_path / name, {"network_facts": facts, "step": 7, "quantised": True, "network": network})
+    both = mean([tmp_path / "a.pt", tmp_path / "b.pt"])
+    assert both["network"]["w"].unique().tolist() == [1.5]
+    assert both["network"]["count"].item() == 5  # no mean of what is no measure
+    assert both["quantised"] and both["network_facts"] == facts
+    code, message = refusal(lambda: mean([tmp_path / "a.pt", tmp_path / "c.pt"]))
+    assert code == CONFIGURATION and "a.pt" in message and "other tensors" in message
