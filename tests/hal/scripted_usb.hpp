@@ -2,10 +2,10 @@
 // Time stands still but in wait() and in the clock's sleeps.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <string>
 #include <vector>
@@ -214,7 +214,7 @@ class Usb {
     if (endpoint == 0x82) {
       if (c.spoil_answer != nullptr) c.spoil_answer(c.answer);
       moved = c.answer.size();
-      std::memcpy(data.data(), c.answer.data(), moved);
+      std::copy_n(c.answer.begin(), moved, data.begin());
       return 0;
     }
     moved = data.size();
@@ -285,7 +285,7 @@ class Usb {
       } else if (ended < ends_per_wait && c.next_ending < c.endings.size()) {
         const Ending& ending = c.endings[c.next_ending++];
         transfer.length = ending.bytes.size();
-        std::memcpy(transfer.buffer.data(), ending.bytes.data(), ending.bytes.size());
+        std::copy(ending.bytes.begin(), ending.bytes.end(), transfer.buffer.begin());
         end(i, ending.error);
         ++ended;
       } else {

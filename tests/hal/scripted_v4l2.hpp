@@ -270,7 +270,8 @@ class ScriptedV4l2 {
     const Frame& frame = frames.front();
     const std::uint32_t index = queued.front();
     queued.erase(queued.begin());
-    std::memcpy(memory[index].data(), frame.bytes.data(), std::min(frame.bytes.size(), memory[index].size()));
+    std::copy_n(frame.bytes.begin(), std::min(frame.bytes.size(), memory[index].size()),
+                memory[index].begin());
     const std::uint32_t used = frame.used < 0 ? static_cast<std::uint32_t>(frame.bytes.size())
                                               : static_cast<std::uint32_t>(frame.used);
     buffer.index = frame.index == UINT32_MAX ? index : frame.index;

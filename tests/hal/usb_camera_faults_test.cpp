@@ -1,5 +1,6 @@
 // Everything that a bus and a camera can do to a stream.
 #include <catch2/catch.hpp>
+#include <cstring>
 
 #include "evt_printing.hpp"
 #include "inivation_stream.hpp"

@@ -1,5 +1,6 @@
 // Which camera is meant, and why one cannot be had.
 #include <catch2/catch.hpp>
+#include <cstring>
 
 #include "usb_cameras.hpp"
 

@@ -1,6 +1,7 @@
 // What is written to a camera, in which order and with which waits: against lists made by hand from the
 // cameras' documentation, not from the tables of the library.
 #include <catch2/catch.hpp>
+#include <cstring>
 #include <sstream>
 #include <string>
 
