@@ -277,8 +277,8 @@ class ScriptedV4l2 {
     buffer.index = frame.index == UINT32_MAX ? index : frame.index;
     buffer.sequence = frame.sequence;
     buffer.flags = frame.flags;
-    buffer.timestamp.tv_sec = frame.stamp_us / 1'000'000;
-    buffer.timestamp.tv_usec = frame.stamp_us % 1'000'000;
+    buffer.timestamp.tv_sec = static_cast<time_t>(frame.stamp_us / 1'000'000);
+    buffer.timestamp.tv_usec = static_cast<suseconds_t>(frame.stamp_us % 1'000'000);
     if (is_multiplanar()) {
       buffer.m.planes[0].bytesused = used;
       buffer.m.planes[0].data_offset = frame.data_offset;
