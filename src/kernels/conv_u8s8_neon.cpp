@@ -48,6 +48,7 @@ struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
   static constexpr bool kStartsEmpty = true;
+  static constexpr bool kTakesRows = true;
   static_assert(kUnits == 1);
   int32x4_t acc[kPixels][4];
   int32x4_t bias;
@@ -188,6 +189,7 @@ template <int kChannels, bool kAdjacent, int kPixelCount, int kUnitCount>
 struct GatheringTile : Tile<kPixelCount, kUnitCount> {
   using Tile<kPixelCount, kUnitCount>::acc;
   static constexpr int kPixels = kPixelCount;
+  static constexpr bool kTakesRows = false;              // its weights lie otherwise
   static constexpr int kRegisters = 9 * kChannels / 16;  // full ones; the last tap is left over
 
   static EGOFOCUS_INLINE int8x16_t gathered(const std::int8_t* const* taps, int r, std::int64_t at) noexcept {
@@ -261,7 +263,7 @@ inline bool gathered_alone(const ConvU8S8& given) noexcept {
   constexpr std::int32_t kTile = 9 * 64;
   const std::int32_t channels = given.in_channels;
   const bool adjacent = given.dilation == 1;
-  if (given.side != 3 || given.stride != 1 || given.input_pixel_stride != channels ||
+  if (given.side != 3 || given.depth != 1 || given.stride != 1 || given.input_pixel_stride != channels ||
       !(channels == 8 || (channels == 4 && adjacent)) || given.out_channels > kMostGathered)
     return false;
   alignas(16) std::int8_t weights[kMostGathered / 4 * kTile];

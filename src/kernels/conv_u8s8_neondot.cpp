@@ -17,6 +17,7 @@ struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
   static constexpr bool kStartsEmpty = false;
+  static constexpr bool kTakesRows = true;
   int32x4_t acc[kPixels][kUnits];
 
   EGOFOCUS_INLINE void start(const std::int32_t* bias) noexcept {

@@ -29,6 +29,7 @@ struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
   static constexpr bool kStartsEmpty = false;
+  static constexpr bool kTakesRows = true;
   static constexpr int kPairs = (kPixels + 1) / 2;
   static constexpr int kColumns = kUnits == 3 ? 8 : 2 * kUnits;
   static constexpr int kAtOnce = kUnits == 1 ? 2 : 4;

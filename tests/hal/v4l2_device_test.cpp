@@ -295,7 +295,7 @@ TEST_CASE("V4L2: whatever call fails at start, nothing stays open or mapped") {
   CHECK(bench.kernel.open_files == 0);
   CHECK(bench.kernel.mapped == 0);
   bench.start();
-  bench.kernel.driver_buffers = GENERATE(1, 33);
+  bench.kernel.driver_buffers = GENERATE(1u, 33u);
   CHECK(bench.source->start().code() == StatusCode::kIo);
   CHECK(bench.kernel.mapped == 0);
 }
