@@ -85,6 +85,7 @@ struct ConvBody {
   std::int32_t most_units;               // of a block, <= kMostUnits; one tile, if units are parts of it
   ConvBlockWidths by_units[kMostUnits];  // [units - 1]
   ConvLeaveFunction* leave[4];           // by ConvEpilogue
+  bool taps_apart = false;               // its tiles want each tap a run, even where rows lie together
 };
 
 /// Each tap a run, or, with whole_rows, each row of taps.
@@ -230,7 +231,7 @@ inline void conv_by_blocks(const ConvU8S8& given, const ConvBody& body) noexcept
   const std::int32_t tile = body.packing.tile_outputs;
   const std::int32_t inputs = body.packing.group_inputs;
   const std::int64_t groups = (conv.in_channels + inputs - 1) / inputs;
-  const ConvRuns runs = conv_runs(conv, inputs);
+  const ConvRuns runs = body.taps_apart ? conv_taps(conv) : conv_runs(conv, inputs);
   alignas(64) std::int32_t sums[kMostBlockSums];
   ConvPlan plan{};
   plan.epilogue = conv.epilogue;

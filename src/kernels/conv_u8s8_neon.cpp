@@ -249,7 +249,7 @@ using EightApart = GatheringTile<8, false, kPixels, kUnits>;
 
 template <template <int, int> typename GatheringTile>
 constexpr ConvBody gathering_body() noexcept {
-  return {kConvPacking_neon, 4, 1, {neon_widths<GatheringTile, kMostPixels, 1>()}, EGOFOCUS_LEAVE};
+  return {kConvPacking_neon, 4, 1, {neon_widths<GatheringTile, kMostPixels, 1>()}, EGOFOCUS_LEAVE, true};
 }
 constexpr ConvBody kFourAdjacent = gathering_body<FourAdjacent>();
 constexpr ConvBody kEightAdjacent = gathering_body<EightAdjacent>();
