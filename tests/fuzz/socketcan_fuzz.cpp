@@ -108,7 +108,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                       SpscRing<PoseSample>(poses)};
   Inlets inlets(rings);
   {
-    SocketCanSource source(source_config, motion, nullptr, io_of(kernel));
+    SocketCanSource source(source_config, motion, {}, io_of(kernel));
     if (source.start().ok()) {
       for (int i = 0; i < 1000 && !kernel.left.empty(); ++i) {
         const Delivery delivery = source.poll(inlets, 10000);
