@@ -42,7 +42,7 @@ class DbcText {
     skip_blanks();
     const std::size_t end = at_end() || text_[at_] != '"' ? text_.npos : text_.find_first_of("\"\n", at_ + 1);
     if (end == text_.npos || text_[end] != '"') return {};
-    const std::string_view inside = text_.substr(at_ + 1, end - at_ - 1);
+    const std::string_view inside(text_.data() + at_ + 1, end - at_ - 1);
     at_ = end + 1;
     return inside;
   }
