@@ -4,6 +4,7 @@
 usage: life_test.py --daemon EGOFOCUSD --app EGOFOCUS --recording DIR --source ROOT --cc CC [test ...]
 """
 import os
+import pathlib
 import resource
 import shutil
 import signal
@@ -150,6 +151,24 @@ class Life(DaemonTest):
             self.assertEqual(printed, shipped.read())
         self.assertEqual(sound.run("--no-such-option").returncode, 2)
         self.assertEqual(Daemon.run(sound, "--ask", "health").returncode, 3)
+
+    def test_devices_that_are_not_there_are_all_named(self):
+        daemon = self.daemon()
+        folder = daemon.folder
+        recording = pathlib.Path(daemon_process.arguments.recording)
+        shutil.copy(recording / "vehicle.dbc", folder)
+        camera = (recording / "camera.toml").read_text(encoding="utf-8")
+        (folder / "robot.toml").write_text(camera + '\n[v4l2]\ndevice = "/dev/no_such_video"\n', encoding="utf-8")
+        live = ('[source]\nevents = "v4l2"\nmotion = "can"\n[can]\ninterface = "no_such_can"\n[engine]\ncamera = "robot.toml"\n'
+                f'backend = "focus"\n[depth]\nsocket = "{daemon.depth}"\n[control]\nsocket = "{daemon.control}"\n')
+        daemon.config.write_text(live, encoding="utf-8")
+        checked = daemon.run("--check-config")
+        self.assertEqual(checked.returncode, 5)
+        for words in ("[v4l2] of ", "[can] interface no_such_can"):
+            self.assertIn(words, checked.stderr)
+        started = daemon.run()
+        self.assertIn(started.returncode, (10, 11))  # a kernel without CAN, or without V4L2, is another cause
+        self.assertIn("[can] interface no_such_can", started.stderr)
 
     def test_no_memory_at_start_is_one_line(self):
         daemon = self.daemon(engine__threads=8)

@@ -80,6 +80,35 @@ TEST_CASE("a source gives the same bytes however it cuts its pieces, and ends th
   }
 }
 
+TEST_CASE("a tap sees all events that come in, and is told of before the start") {
+  struct Seen {
+    std::size_t events = 0;
+    std::int64_t newest_us = INT64_MIN;
+    bool in_order = true;
+  } seen;
+  const EventTap tap{&seen, [](void* self, std::span<const Event> events) noexcept {
+                       auto& s = *static_cast<Seen*>(self);
+                       s.events += events.size();
+                       for (const Event& event : events) {
+                         s.in_order = s.in_order && event.t_us >= s.newest_us;
+                         s.newest_us = event.t_us;
+                       }
+                     }};
+  SceneSource scene;
+  scene.end_us = 300'000;
+  EngineInBlock engine(SlidingScene::config());
+  REQUIRE(engine->watch_events(tap).ok());
+  REQUIRE(engine->attach(scene.source()).ok());
+  REQUIRE(engine->start(ClockKind::kVirtual, 50'000).ok());
+  CHECK(engine->watch_events({}).code() == StatusCode::kBadState);
+  while (engine->tick()) {
+  }
+  CHECK(seen.events == 3000);
+  CHECK(seen.in_order);
+  Engine unconfigured;
+  CHECK(unconfigured.watch_events(tap).code() == StatusCode::kBadState);
+}
+
 TEST_CASE("a ring smaller than a tick's events loses none under the virtual clock") {
   Config config = SlidingScene::config();
   config.rings.events = 128;  // 500 events come per tick
