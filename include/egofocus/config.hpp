@@ -113,6 +113,11 @@ struct CarryConfig {
   std::int64_t max_age_us = 30'000'000;  ///< 0..600 s; older is not shown; 0: nothing is carried
   double max_travel = 0.5;   ///< 0.01..1; pixels nearer than the camera's way divided by this: no estimate
   double min_in_view = 0.1;  ///< 0..1; with a smaller share of the measured pixels in view: no depth at all
+  /// kNetwork: a tick's depth is fused with that of the ticks before it, seen from here, whose weight falls
+  /// evenly to nothing in so long; where they contradict each other the tick's own counts. 0..10 s; 0: each
+  /// tick by itself. 300'000 is good where motion changes its direction (indoors, by hand); on a road errors
+  /// repeat and nothing is won.
+  std::int64_t fuse_us = 0;
 };
 
 /// Where depth comes from.

@@ -144,6 +144,7 @@ typedef struct egofocus_carry { /* depth shown where nothing can be measured: th
   int64_t max_age_us;           /* 0: nothing is carried */
   double max_travel;            /* 0.01..1 */
   double min_in_view;           /* 0..1 */
+  int64_t fuse_us;              /* network: 0..10 s; 0: each tick by itself */
 } egofocus_carry;
 
 typedef struct egofocus_rate {

@@ -139,14 +139,14 @@ egofocus_focus to_c(const FocusConfig& in) noexcept {
 
 CarryConfig from_c(const egofocus_carry& c) noexcept {
   CarryConfig out;
-  auto& [max_age_us, max_travel, min_in_view] = out;
-  max_age_us = c.max_age_us, max_travel = c.max_travel, min_in_view = c.min_in_view;
+  auto& [max_age_us, max_travel, min_in_view, fuse_us] = out;
+  max_age_us = c.max_age_us, max_travel = c.max_travel, min_in_view = c.min_in_view, fuse_us = c.fuse_us;
   return out;
 }
 
 egofocus_carry to_c(const CarryConfig& in) noexcept {
-  const auto& [max_age_us, max_travel, min_in_view] = in;
-  return {max_age_us, max_travel, min_in_view};
+  const auto& [max_age_us, max_travel, min_in_view, fuse_us] = in;
+  return {max_age_us, max_travel, min_in_view, fuse_us};
 }
 
 RateConfig from_c(const egofocus_rate& c) noexcept {

@@ -34,6 +34,9 @@ Status CarriedDepth::check(const CarryConfig& config) noexcept {
     return {StatusCode::kBadCarry, "carry.max_travel (0.01..1)", status_value(config.max_travel), 1};
   if (!(config.min_in_view >= 0 && config.min_in_view <= 1))
     return {StatusCode::kBadCarry, "carry.min_in_view (0..1)", status_value(config.min_in_view), 1};
+  constexpr std::int64_t kLongestFuse_us = 10'000'000;
+  if (config.fuse_us < 0 || config.fuse_us > kLongestFuse_us)
+    return {StatusCode::kBadCarry, "carry.fuse_us", config.fuse_us, kLongestFuse_us};
   return {};
 }
 

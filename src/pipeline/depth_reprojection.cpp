@@ -117,6 +117,7 @@ bool land(const Reprojection& by, const Intrinsics& grid, std::int32_t x, std::i
   if (n_0 <= -n_2 || n_0 >= n_2 * grid.width_px) return false;
   const std::int64_t n_1 = m[3] * x + m[4] * y + m[5] + inverse_depth * by.shift_q32[1];
   if (n_1 <= -n_2 || n_1 >= n_2 * grid.height_px) return false;
+  out.depth_ratio_q32 = n_2;
   out.reciprocal_q32 =
       static_cast<std::int64_t>((std::uint64_t{1} << 56) / ((static_cast<std::uint64_t>(n_2) + 128) >> 8));
   out.u_q16 = static_cast<std::int32_t>(((n_0 >> 16) * out.reciprocal_q32) >> 32);

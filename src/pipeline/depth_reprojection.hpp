@@ -29,9 +29,10 @@ Reprojection reprojection(const MotionKnot& motion, const Intrinsics& grid, doub
 struct Landing {
   std::int32_t u_q16 = 0;
   std::int32_t v_q16 = 0;
-  std::uint16_t inverse_depth = 0;  ///< nearest; what does not fit is 65535
-  std::uint16_t travel_q8 = 0;      ///< of the largest allowed; from 256 on its depth is no longer known
-  std::int64_t reciprocal_q32 = 0;  ///< 1 / n_2
+  std::uint16_t inverse_depth = 0;   ///< nearest; what does not fit is 65535
+  std::uint16_t travel_q8 = 0;       ///< of the largest allowed; from 256 on its depth is no longer known
+  std::int64_t reciprocal_q32 = 0;   ///< 1 / n_2
+  std::int64_t depth_ratio_q32 = 0;  ///< n_2: depth there / depth here
 };
 bool land(const Reprojection& by, const Intrinsics& grid, std::int32_t x, std::int32_t y,
           std::uint16_t inverse_depth, Landing& out) noexcept;

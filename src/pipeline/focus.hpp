@@ -20,6 +20,8 @@ struct CellDepth {
   std::span<const std::uint16_t> index_q8;   ///< hypothesis at 1/256 bin
   std::span<const std::uint8_t> confidence;  ///< 0 = no estimate
   bool median = true;                        ///< depth_decode takes the median over neighbours first
+  /// The index's spread in 1/256 bin, for each 2x2 of the cells; empty: not known.
+  std::span<const std::uint16_t> spread_q8 = {};
 };
 
 class Focus {

@@ -52,7 +52,7 @@ CellDepth Network::run(const NetworkInputs& inputs, WorkerPool& pool) noexcept {
   show("index_4", {{cells_.width, cells_.height, 2, 0}, reinterpret_cast<std::uint8_t*>(index_4_)});
   show("confidence", {{cells_.width, cells_.height, 1, 0}, confidence_4_});
   refine(pool);
-  return {halves_, index_q8_, confidence_, false};
+  return {halves_, index_q8_, confidence_, false, spread_4_};
 }
 
 void Network::show(const char* name, const Tensor& tensor) const noexcept {
@@ -163,7 +163,7 @@ void Network::scores(int part, int parts) noexcept {
     own_.scores(mixed_.row(y), mixed_.shape.channels, cells_.width, depth / together_, own);
     const std::int32_t at = y * cells_.width;
     regression_.row(head, own, shift + at, cells_.width, depth, inputs_.used, index_4_ + at,
-                    confidence_4_ + at);
+                    confidence_4_ + at, spread_4_.data() + at);
   }
 }
 

@@ -58,8 +58,8 @@ class Network {
     friend class Network;
     TensorShape at_4, at_8, at_16, guide, focus_in, focus_hidden, mixed, refine_in, refine;
     std::int32_t mixed_id, at_4_id, inner_4_id, inner_up_4_id, at_8_id, inner_8_id, inner_up_8_id, at_16_id,
-        inner_16_id, small_8_id, small_4_id, index_4_id, confidence_4_id, guide_id, start_id, change_id,
-        refine_in_id, refine_id[2], index_id, confidence_id;
+        inner_16_id, small_8_id, small_4_id, index_4_id, confidence_4_id, spread_4_id, guide_id, start_id,
+        change_id, refine_in_id, refine_id[2], index_id, confidence_id;
     std::int32_t focus_in_id[WorkerPool::kMaxParts], focus_hidden_id[WorkerPool::kMaxParts],
         scores_id[WorkerPool::kMaxParts];
   };
@@ -120,6 +120,7 @@ class Network {
   std::int16_t* scores_[WorkerPool::kMaxParts] = {};  // head, own: [width][D] each
   std::uint16_t* index_4_ = nullptr;
   std::uint8_t* confidence_4_ = nullptr;
+  std::span<std::uint16_t> spread_4_;
   std::uint16_t* start_ = nullptr;  // index up-sampled to halves; then refined
   std::int16_t* change_ = nullptr;
   std::span<std::uint16_t> index_q8_;

@@ -64,6 +64,7 @@ Network::Buffers::Buffers(const ModelFacts& facts, const Intrinsics& grid, int p
   inner_up_4_id = plan.add(at_4.bytes(), kStepUp4, kStepUp4);
   index_4_id = plan.add(2 * dense(at_4), kStepScores, kStepRefine);
   confidence_4_id = plan.add(dense(at_4), kStepScores, kStepRefine);
+  spread_4_id = plan.add(2 * dense(at_4), kStepScores, kStepRefine);
   guide_id = plan.add(guide.bytes(), kStepRefine, kStepRefine);
   start_id = plan.add(2 * dense(refine), kStepRefine, kStepRefine);
   change_id = plan.add(2 * dense(refine), kStepRefine, kStepRefine);
@@ -153,6 +154,7 @@ Network::Network(const Model& model, const Intrinsics& grid, const KernelTable& 
                  .data();
   index_4_ = plan.arena(buffers.index_4_id).array<std::uint16_t>(cells_.size()).data();
   confidence_4_ = plan.arena(buffers.confidence_4_id).array<std::uint8_t>(cells_.size()).data();
+  spread_4_ = plan.arena(buffers.spread_4_id).array<std::uint16_t>(cells_.size());
   start_ = plan.arena(buffers.start_id).array<std::uint16_t>(halves_.size()).data();
   change_ = plan.arena(buffers.change_id).array<std::int16_t>(halves_.size()).data();
   index_q8_ = plan.arena(buffers.index_id).array<std::uint16_t>(halves_.size());

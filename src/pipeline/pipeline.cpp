@@ -34,6 +34,7 @@ Pipeline::Pipeline(const Config& config, const Model& model, const KernelTable& 
   arena.part(ArenaPart::kBackend);
   if (network_memory_) {
     network_.emplace(config, model, kernels, *network_memory_, arena);
+    if (config.carry.fuse_us > 0) fused_.emplace(config.carry, grid_, arena.part(ArenaPart::kDepth));
   } else {
     focus_.emplace(config, config.threads, arena);
   }
@@ -100,7 +101,8 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
   if (!carried && has_stack && track(oldest_us, ladder.begin_us, tick_us)) {
     StageTimes stages;
     stages.motion_us = watch.lap_us();
-    const CellDepth cells = depth_of_cells(selection, ladder, pool, watch, stages);
+    CellDepth cells = depth_of_cells(selection, ladder, pool, watch, stages);
+    if (fused_) cells = fuse(cells, ladder, oldest_us, tick_us, pool);
     depth_decode_.run(cells, pool, out.inverse_depth, out.confidence);
     stages.depth_us = watch.lap_us();
     stages.all_us = watch.all_us();
@@ -141,6 +143,14 @@ CellDepth Pipeline::depth_of_cells(const EventWindow::Selection& selection, cons
   }
   stages.backend_us = watch.lap_us();
   return cells;
+}
+
+CellDepth Pipeline::fuse(const CellDepth& cells, const HypothesisLadder& ladder, std::int64_t oldest_us,
+                         std::int64_t tick_us, WorkerPool& pool) noexcept {
+  const std::int64_t seen_us = fused_->seen_us();
+  const bool knows_way =
+      fused_->kept_at(tick_us) && seen_us >= oldest_us && track(oldest_us, seen_us, tick_us);
+  return fused_->fuse(cells, ladder.step_per_m, tick_us, knows_way ? &track_->knots[0] : nullptr, pool);
 }
 
 bool Pipeline::track(std::int64_t oldest_us, std::int64_t begin_us, std::int64_t tick_us) noexcept {

@@ -16,6 +16,7 @@
 #include "pipeline/event_filter.hpp"
 #include "pipeline/event_window.hpp"
 #include "pipeline/focus.hpp"
+#include "pipeline/fused_depth.hpp"
 #include "pipeline/hypothesis_ladder.hpp"
 #include "pipeline/network_backend.hpp"
 #include "pipeline/stage_watch.hpp"
@@ -70,6 +71,9 @@ class Pipeline {
   /// Events -> warped images -> the backend's cells.
   CellDepth depth_of_cells(const EventWindow::Selection& selection, const HypothesisLadder& ladder,
                            WorkerPool& pool, StageWatch& watch, StageTimes& stages) noexcept;
+  /// The backend's cells together with those of earlier ticks.
+  CellDepth fuse(const CellDepth& cells, const HypothesisLadder& ladder, std::int64_t oldest_us,
+                 std::int64_t tick_us, WorkerPool& pool) noexcept;
   void blank(FrameSlot& out) noexcept;
   void conclude(const DepthFrame& frame) noexcept;
 
@@ -83,6 +87,7 @@ class Pipeline {
   Warp warp_;
   std::optional<Focus> focus_;  // one of the two backends
   std::optional<NetworkBackend> network_;
+  std::optional<FusedDepth> fused_;  // with the network, where asked for
   DepthDecode depth_decode_;
   CarriedDepth carried_;
 

@@ -20,7 +20,7 @@ Regression::Regression() noexcept {
 
 void Regression::row(const std::int16_t* head, const std::int16_t* own, const std::uint8_t* shift,
                      std::int32_t width, std::int32_t hypotheses, std::int32_t used, std::uint16_t* index_q8,
-                     std::uint8_t* confidence) const noexcept {
+                     std::uint8_t* confidence, std::uint16_t* spread_q8) const noexcept {
   for (std::int32_t x = 0; x < width; ++x, head += hypotheses, own += hypotheses) {
     std::int32_t score[kMost];
     std::int32_t most = head[0] + own[0];
@@ -58,6 +58,8 @@ void Regression::row(const std::int16_t* head, const std::int16_t* own, const st
     const std::uint32_t step = shift[x] > kInputZero ? shift[x] - kInputZero : 0u;  // below 2^6
     index_q8[x] = static_cast<std::uint16_t>(index);
     confidence[x] = static_cast<std::uint8_t>(255 * index * step / ((index + spread) * step + kOnePixel));
+    const std::uint32_t with_pixel = step > 0 ? spread + kOnePixel / step : 65535u;
+    spread_q8[x] = static_cast<std::uint16_t>(with_pixel < 65535 ? with_pixel : 65535u);
   }
 }
 

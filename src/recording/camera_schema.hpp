@@ -102,6 +102,7 @@ void describe(Section& s, CarryConfig& v) {
   s.optional("max_age_us", v.max_age_us);
   s.optional("max_travel", v.max_travel);
   s.optional("min_in_view", v.min_in_view);
+  s.optional("fuse_us", v.fuse_us);
 }
 
 template <typename Section>

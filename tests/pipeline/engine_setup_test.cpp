@@ -75,6 +75,8 @@ TEST_CASE("each cause of refusal has its own code, and a text that names the fie
       {StatusCode::kBadMotion, "camera_from_body", [](Config& c) { c.motion.camera_from_body[0] = 1; }},
       {StatusCode::kBadFocus, "support_cells", [](Config& c) { c.focus.support_cells = 4; }},
       {StatusCode::kBadCarry, "max_travel", [](Config& c) { c.carry.max_travel = 2; }},
+      {StatusCode::kBadCarry, "fuse_us", [](Config& c) { c.carry.fuse_us = 10'000'001; }},
+      {StatusCode::kBadCarry, "fuse_us", [](Config& c) { c.carry.fuse_us = -1; }},
       {StatusCode::kBadRate, "rate_hz", [](Config& c) { c.rate.rate_hz = 0; }},
       {StatusCode::kBadRate, "lateness", [](Config& c) { c.rate.lateness_us = -1; }},
       {StatusCode::kBadRing, "rings.events", [](Config& c) { c.rings.events = 1000; }},

@@ -50,7 +50,7 @@ TEST_CASE("each section reaches its field") {
           "[filter]\nrefractory_us = 7\n[motion]\nsource = \"poses\"\nmodel = \"wheeled\"\ncamera_in_body_m "
           "= [1, 2, 3]\n"
           "[focus]\ncost = \"sti\"\nsupport_cells = 7\nsmoothing = false\n[carry]\nmax_age_us = "
-          "5\nmax_travel = 0.25\nmin_in_view = 0.5\n[rate]\nrate_hz = "
+          "5\nmax_travel = 0.25\nmin_in_view = 0.5\nfuse_us = 300000\n[rate]\nrate_hz = "
           "40\n[rings]\nevents = 131072\n"
           "[depth]\nscale_m = 0.002\n[can]\ndbc = \"a.dbc\"\ngyro_axes = [\"y\", \"-x\", \"z\"]\n"
           "[[can.signals]]\nmessage = \"M\"\nsignal = \"S\"\nrole = \"wheel_speed\"\nunit = \"km/h\"\nscale "
@@ -73,6 +73,7 @@ TEST_CASE("each section reaches its field") {
   CHECK(file.config.carry.max_age_us == 5);
   CHECK(file.config.carry.max_travel == 0.25);
   CHECK(file.config.carry.min_in_view == 0.5);
+  CHECK(file.config.carry.fuse_us == 300'000);
   CHECK(file.config.rate.rate_hz == 40.0);
   CHECK(file.config.rings.events == 131072);
   CHECK(file.depth_scale_m == 0.002);
