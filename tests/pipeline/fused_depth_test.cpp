@@ -146,6 +146,22 @@ TEST_CASE("the weighted mean of two measurements, wherever the camera went betwe
   }
 }
 
+TEST_CASE("each 2x2 cells have their own spread") {
+  const MotionKnot still = motion(0, 0, 0);
+  Fuser fuser;
+  fuser.add(Measured(kPlane, 0, 1), 0, nullptr);
+  Measured now(kPlane, 1, 1);
+  for (std::size_t i = 0; i < now.spread_q8.size(); ++i)
+    now.spread_q8[i] = static_cast<std::uint16_t>(256 * (1 + (i / 16 + i) % 3));
+  const CellDepth cells = fuser.add(now, kTick_us, &still);
+  const Off found = off(cells, 0, [&](std::int32_t x, std::int32_t y) {
+    const double spread = 1 + (y / 2 + x / 2 + (y / 2) * 16) % 3;
+    const double weight = 1 / (spread * spread);
+    return kPlane.steps(x, y, kStep_per_m) + weight / (weight + 0.75);
+  });
+  CHECK(found.most_steps < 0.02);
+}
+
 TEST_CASE("another tick's ladder has other steps") {
   for (const double step_per_m : {kStep_per_m / 2, kStep_per_m, kStep_per_m * 3}) {
     CAPTURE(step_per_m);
