@@ -24,7 +24,7 @@ Pipeline::Pipeline(const Config& config, const Model& model, const KernelTable& 
     : config_(config),
       grid_(working_grid(config)),
       filter_(config, arena.part(ArenaPart::kWindow)),
-      window_(config.window, arena),
+      window_(config.window, config.camera.intrinsics, arena),
       ego_motion_(arena.part(ArenaPart::kMotion).object<EgoMotion>(config.motion)),
       track_(arena.object<MotionTrack>()),
       network_memory_(network_memory(config, model, arena.part(ArenaPart::kBackend))),

@@ -80,12 +80,12 @@ Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena
 Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines,
            bool keeps_stack) noexcept
     : grid_(working_grid(config)),
-      sensor_width_(config.camera.intrinsics.width_px),
       hypotheses_(config.ladder.hypotheses),
       pixels_(static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px)),
       vote_(kernels.warp_vote.run) {
-  rays_ = arena.array<Ray>(static_cast<std::size_t>(sensor_width_) *
-                           static_cast<std::size_t>(config.camera.intrinsics.height_px));
+  const Intrinsics& sensor = config.camera.intrinsics;
+  rays_ = arena.array<Ray>(static_cast<std::size_t>(sensor.width_px) *
+                           static_cast<std::size_t>(sensor.height_px));
   lines_ = take_lines(config.window.max_events, lines);
   if (keeps_stack) stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
   for (int i = 0; i < config.threads; ++i) scratch_[i] = arena.array<std::uint32_t>(pixels_);
@@ -116,17 +116,20 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
   const double knots_per_us =
       length_us > 0 ? (MotionTrack::kKnots - 1) / static_cast<double>(length_us) : 0.0;
   std::uint64_t behind = 0;
+  if (first == last) {
+    counts_[part] = {};
+    return;
+  }
+  EventWindow::Reader reader(window, selection, first);
   for (std::uint32_t i = first; i < last; ++i) {
-    const WindowEvent& event = window.at(selection, i);
-    const std::int64_t since_us =
-        length_us - static_cast<std::int64_t>(EventWindow::age_us(event, track.end_us));
+    const EventWindow::Selected event = reader.next();
+    const std::int64_t since_us = event.t_us - track.begin_us;
     const double at = static_cast<double>(since_us) * knots_per_us;
     int knot = static_cast<int>(at);
     if (knot > MotionTrack::kKnots - 2) knot = MotionTrack::kKnots - 2;
     const MotionKnot motion = interpolate(track.knots[knot], track.knots[knot + 1], at - knot);
-    const Ray& ray =
-        rays_[static_cast<std::size_t>(event.y()) * static_cast<std::size_t>(sensor_width_) + event.x()];
-    const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, ladder.count);
+    const LandingLine line =
+        landing_line(rays_[event.pixel], motion, grid_, ladder.step_per_m, ladder.count);
     lines_.u_q16[i] = line.u_q16;
     lines_.v_q16[i] = line.v_q16;
     lines_.du_q16[i] = line.du_q16;

@@ -94,7 +94,6 @@ class Warp {
   };
 
   Intrinsics grid_;
-  std::int32_t sensor_width_;
   std::int32_t hypotheses_;
   std::size_t pixels_;
   WarpVoteFunction* vote_;

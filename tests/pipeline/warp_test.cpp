@@ -228,7 +228,7 @@ struct Stack {
 Stack run(const Config& config, const std::vector<Event>& events, const MotionTrack& track,
           const HypothesisLadder& ladder, int parts) {
   test::RoomyArena arena;
-  EventWindow window(config.window, *arena);
+  EventWindow window(config.window, config.camera.intrinsics, *arena);
   Warp warp(config, select_kernels(isa_bit(Isa::kScalar)), *arena);
   warp.prepare(config.camera);
   for (const Event& e : events) window.add(e);
