@@ -11,8 +11,8 @@
 namespace egofocus {
 
 /// Three bytes an event: its pixel, and what its time has beyond the begin of its slice. A slice is the power
-/// of two of microseconds that leaves the pixel its bits (346x260: 128 us); as events are in order, the number
-/// of each slice's first event says the rest.
+/// of two of microseconds that leaves the pixel its bits (346x260: 128 us); as events are in order, the
+/// number of each slice's first event says the rest.
 class EventWindow {
  public:
   static Status check(const WindowConfig& config) noexcept;
@@ -80,8 +80,8 @@ class EventWindow {
   [[nodiscard]] std::uint32_t value(std::uint32_t slot) const noexcept {
     return low_[slot] | static_cast<std::uint32_t>(high_[slot]) << 16;
   }
-  /// Events since the begin of a slice, or its end, and since some number of events: modulo 2^32, far more than
-  /// are held. Precondition: the slice is among the newest that there is room for.
+  /// Events since the begin of a slice, or its end, and since some number of events: modulo 2^32, far more
+  /// than are held. Precondition: the slice is among the newest that there is room for.
   [[nodiscard]] std::uint32_t since_begin(std::int64_t slice) const noexcept {
     return static_cast<std::uint32_t>(added_) - first_of_slice_[index(slice)];
   }

@@ -18,23 +18,45 @@ namespace egofocus {
 /// kModelMismatch for another grid. Other backends: nothing to do. RT: no (set-up).
 Status adopt_model(Config& config, Model& model_out) noexcept;
 
+/// One block for the landing lines, half of the planes of counts, and the sums that are made of all planes:
+///   [sums of the first half of the hypotheses][lines][planes of one half]
+/// The sums of the second half need not wait for room: a few take the place of the lines, which have all been
+/// voted by then, and the rest that of the planes of those few. So sums lie one after the other in the end.
+struct StackLayout {
+  StackLayout(const Intrinsics& grid, std::int32_t hypotheses, std::int32_t max_events) noexcept;
+
+  std::int32_t half;         ///< hypotheses voted at once: whole groups, half of them all or a little more
+  std::int32_t early;        ///< of the second half, whose sums lie where the lines were
+  std::int32_t line_events;  ///< events whose lines there is room for; with more of them than that each half
+                             ///< projects them anew
+  std::size_t lines_at;      ///< bytes from the block's begin
+  std::size_t planes_at;
+  std::size_t sums_bytes;
+  std::size_t bytes;
+};
+
 /// What lives in some steps of a tick only; made before the warp, which takes its lines from it.
 class NetworkMemory {
  public:
   NetworkMemory(const Config& config, const Model& model, Arena& arena) noexcept;
-  [[nodiscard]] Arena lines() const noexcept { return plan_.arena(lines_); }
+  [[nodiscard]] const StackLayout& stack() const noexcept { return stack_; }
+  [[nodiscard]] Arena lines() const noexcept { return plan_.arena(stack_id_, stack_.lines_at); }
+  /// One value per grid pixel, for a tick without a network.
+  [[nodiscard]] std::span<std::uint32_t> idle() const noexcept;
   [[nodiscard]] const MemoryPlan& plan() const noexcept { return plan_; }
 
  private:
   friend class NetworkBackend;
+  Intrinsics grid_;
   MemoryPlan plan_;
   Network::Buffers buffers_;
-  std::int32_t lines_ = 0;
-  std::int32_t sums_ = 0;
-  std::int32_t focus_ = 0;
-  std::int32_t half_ = 0;
-  std::int32_t planes_[WorkerPool::kMaxParts] = {};
-  std::int32_t counts_[WorkerPool::kMaxParts] = {};
+  StackLayout stack_;
+  std::int32_t stack_id_;
+  std::int32_t half_id_;
+  std::int32_t rows_id_;
+  std::int32_t focus_id_;
+  std::int32_t context_id_;
+  std::int32_t counts_id_[WorkerPool::kMaxParts] = {};
 };
 
 class NetworkBackend {
@@ -42,10 +64,9 @@ class NetworkBackend {
   NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
                  const NetworkMemory& memory, Arena& arena) noexcept;
 
-  /// In this order, once a tick. vote(): what `warp` has projected, a few planes at a time, none of which is
-  /// kept; baseline_m as in Focus::run(). Thread: the tick. RT: yes.
-  void vote(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
-            WorkerPool& pool) noexcept;
+  /// In this order, once a tick. vote(): projects and votes, half of the planes at a time, none of which is
+  /// kept. Thread: the tick. RT: yes.
+  void vote(Warp& warp, const WarpTask& task, WorkerPool& pool) noexcept;
   void prepare_input(WorkerPool& pool) noexcept { input_.finish(pool); }
   /// Valid until the next call.
   CellDepth run(WorkerPool& pool) noexcept {
@@ -53,13 +74,20 @@ class NetworkBackend {
   }
 
  private:
-  NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
-                 const NetworkMemory& memory, Arena& arena, Arena sums, Arena focus) noexcept;
+  static FocusInput make_input(const Config& config, const Model& model, const NetworkMemory& memory,
+                               Arena& arena) noexcept;
+  void vote_planes(Warp& warp, const WarpTask& task, std::int32_t first, std::int32_t count,
+                   WorkerPool& pool) noexcept;
+  struct Planes {
+    std::int32_t begin, end;
+  };
+  void keep(std::int32_t first, Planes planes, int part) noexcept;
 
   Intrinsics grid_;
+  StackLayout stack_;
   FocusInput input_;
   std::span<std::uint8_t> half_;                           // pack_half_counts() of each hypothesis
-  std::span<std::uint8_t> planes_[WorkerPool::kMaxParts];  // [Warp::kPlanesAtOnce][height][width]
+  std::span<std::uint8_t> planes_;                         // [stack_.half][height][width]
   std::span<std::uint8_t> counts_[WorkerPool::kMaxParts];  // [cells of 2x2 px]
   std::int32_t used_ = 0;                                  // hypotheses of the tick
   Network network_;

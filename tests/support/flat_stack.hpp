@@ -28,7 +28,7 @@ class FlatStack {
     config.ladder.hypotheses = hypotheses;
     config.window.max_events = std::max(100, static_cast<int>(events.size()));
     config.window.min_events = 0;
-    CameraMotion slide;
+    MotionSample slide;
     slide.velocity_m_s[0] = 1;
     integrate_track({&slide, 1}, 0, kLength_us, track_);
     ladder_.count = hypotheses;
