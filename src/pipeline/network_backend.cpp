@@ -27,8 +27,6 @@ Status adopt_model(Config& config, Model& model_out) noexcept {
 
 namespace {
 
-constexpr std::int32_t kLeastLines = 16'384;
-
 std::size_t pixels_of(const Intrinsics& grid) noexcept {
   return static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px);
 }
@@ -47,31 +45,45 @@ std::int32_t smaller(std::int32_t a, std::int32_t b) noexcept {
 
 }  // namespace
 
-StackLayout::StackLayout(const Intrinsics& grid, std::int32_t hypotheses, std::int32_t max_events) noexcept {
+StackLayout::StackLayout(const Intrinsics& grid, std::int32_t hypotheses, std::int32_t max_events,
+                         int threads) noexcept {
   constexpr std::int32_t kGroup = Warp::kPlanesAtOnce;
   const std::size_t plane = pixels_of(grid);
   const std::size_t sums = FocusInput::sums_bytes(grid, 1);
-  half = smaller(hypotheses, ((hypotheses + 1) / 2 + kGroup - 1) / kGroup * kGroup);
-  line_events = smaller(max_events, kLeastLines);
-  lines_at = aligned(static_cast<std::size_t>(half) * sums);
   sums_bytes = static_cast<std::size_t>(hypotheses) * sums;
+  at_once = smaller(hypotheses, ((hypotheses + 1) / 2 + kGroup - 1) / kGroup * kGroup);
+  placed = at_once;
+  line_events = smaller(max_events, kLeastLines);
+  lines_at = aligned(static_cast<std::size_t>(placed) * sums);
+  planes_at = lines_at + Warp::lines_bytes(line_events);
   // The fewest whose planes make room for the sums of the others: with all of them there are no others.
   early = 0;
-  planes_at = aligned(lines_at + Warp::lines_bytes(line_events));
   while (planes_at + static_cast<std::size_t>(early) * plane < sums_bytes) {
     ++early;
-    const std::size_t early_end = aligned(static_cast<std::size_t>(half + early) * sums);
+    const std::size_t early_end = aligned(static_cast<std::size_t>(placed + early) * sums);
     if (early_end > planes_at) planes_at = early_end;
   }
   while (line_events < max_events && lines_at + Warp::lines_bytes(line_events + 64) <= planes_at)
     line_events += 64;
-  bytes = planes_at + static_cast<std::size_t>(half) * plane;
+  bytes = planes_at + static_cast<std::size_t>(at_once) * plane;
+
+  const std::int32_t few = smaller(hypotheses, kGroup * threads);
+  const std::size_t beyond_lines = aligned(sums_bytes) + Warp::lines_bytes(max_events);
+  const std::size_t by_few = beyond_lines + static_cast<std::size_t>(few) * plane;
+  if (by_few >= bytes) return;
+  at_once = few;
+  placed = hypotheses;
+  early = 0;
+  line_events = max_events;
+  lines_at = aligned(sums_bytes);
+  planes_at = beyond_lines;
+  bytes = by_few;
 }
 
 NetworkMemory::NetworkMemory(const Config& config, const Model& model, Arena& arena) noexcept
     : grid_(working_grid(config)),
       buffers_(model.facts, grid_, config.threads, plan_),
-      stack_(grid_, config.ladder.hypotheses, config.window.max_events) {
+      stack_(grid_, config.ladder.hypotheses, config.window.max_events, config.threads) {
   const std::int32_t hypotheses = config.ladder.hypotheses;
   const FocusInputConfig& input = model.facts.input;
   const std::size_t idle_bytes = sizeof(std::uint32_t) * pixels_of(grid_);
@@ -109,7 +121,7 @@ NetworkBackend::NetworkBackend(const Config& config, const Model& model, const K
       half_(memory.plan_.arena(memory.half_id_)
                 .array<std::uint8_t>(half_bytes(grid_, config.ladder.hypotheses))),
       planes_(memory.plan_.arena(memory.stack_id_, stack_.planes_at)
-                  .array<std::uint8_t>(static_cast<std::size_t>(stack_.half) * pixels_of(grid_))),
+                  .array<std::uint8_t>(static_cast<std::size_t>(stack_.at_once) * pixels_of(grid_))),
       network_(model, grid_, kernels, config.threads, memory.buffers_, memory.plan_, arena) {
   for (int i = 0; i < config.threads; ++i)
     counts_[i] = memory.plan_.arena(memory.counts_id_[i]).array<std::uint8_t>(cell_grid(grid_).size());
@@ -119,23 +131,24 @@ void NetworkBackend::vote(Warp& warp, const WarpTask& task, WorkerPool& pool) no
   used_ = task.ladder.count;
   input_.begin(task.ladder, task.track.knots[0].centre_m);
   warp.begin(task.ladder, pool.parts());
-  const std::int32_t first_half = smaller(used_, stack_.half);
-  vote_planes(warp, task, 0, first_half, pool);
-  const std::int32_t rest = used_ - first_half;
-  if (rest <= 0) return;
-  vote_planes(warp, task, first_half, rest, pool);
-  const std::int32_t early = smaller(rest, stack_.early);
-  for (const auto& [from, end] : {Planes{0, early}, Planes{early, rest}}) {
-    in_parts(pool, [&, from = from, count = end - from](int part, int parts) noexcept {
-      keep(first_half, {from + count * part / parts, from + count * (part + 1) / parts}, part);
-    });
+  for (std::int32_t first = 0; first < used_; first += stack_.at_once) {
+    const std::int32_t count = smaller(used_ - first, stack_.at_once);
+    vote_planes(warp, task, {first, first + count}, pool);
+    if (first < stack_.placed) continue;
+    const std::int32_t early = smaller(count, stack_.early);
+    for (const auto& [from, end] : {Planes{0, early}, Planes{early, count}}) {
+      in_parts(pool, [&, from = from, size = end - from](int part, int parts) noexcept {
+        keep(first, {from + size * part / parts, from + size * (part + 1) / parts}, part);
+      });
+    }
   }
 }
 
-// Votes of all events for hypotheses first .. first + count - 1. The first half's sums have a place of their
-// own: they are made while the planes are still at hand.
-void NetworkBackend::vote_planes(Warp& warp, const WarpTask& task, std::int32_t first, std::int32_t count,
-                                 WorkerPool& pool) noexcept {
+// Votes of all events for some hypotheses. Sums that have a place of their own are made while the planes are
+// still at hand.
+void NetworkBackend::vote_planes(Warp& warp, const WarpTask& task, Planes of, WorkerPool& pool) noexcept {
+  const std::int32_t first = of.begin;
+  const std::int32_t count = of.end - of.begin;
   const std::size_t pixels = pixels_of(grid_);
   const std::uint32_t events = task.selection.count;
   const auto at_once = static_cast<std::uint32_t>(stack_.line_events);
@@ -154,7 +167,7 @@ void NetworkBackend::vote_planes(Warp& warp, const WarpTask& task, std::int32_t 
         std::uint8_t* const to = planes_.data() + static_cast<std::size_t>(plane) * pixels;
         if (event == 0) __builtin_memset(to, 0, static_cast<std::size_t>(planes) * pixels);
         warp.add_votes(first + plane, planes, part, to);
-        if (first == 0 && event + some == events) keep(0, {plane, plane + planes}, part);
+        if (first < stack_.placed && event + some == events) keep(first, {plane, plane + planes}, part);
       }
     });
   }
