@@ -29,7 +29,7 @@ struct ArenaBytes {
   std::size_t rings = 0;   ///< samples on their way to the tick
   std::size_t window = 0;  ///< events a tick may look back on, and the filter's memory of pixels
   std::size_t motion = 0;  ///< ego-motion
-  std::size_t warp = 0;    ///< the camera's rays and votes; kFocus: landing lines and the stack
+  std::size_t warp = 0;    ///< the camera's rays, scratch of votes; kFocus: landing lines and the stack
   std::size_t backend =
       0;  ///< kFocus: costs; kNetwork: landing lines, stack, input and activations, which share
   std::size_t weights = 0;  ///< kNetwork: packed for the instruction set in use

@@ -89,8 +89,9 @@ Status EgoMotion::check(const MotionConfig& config) noexcept {
 }
 
 EgoMotion::EgoMotion(const MotionConfig& config) noexcept
-    : config_(config), filter_(config), pose_history_(config) {
+    : config_(config), of_(std::in_place_type<Odometric>, config) {
   EGOFOCUS_CHECK(check(config).ok());
+  if (config.source == MotionSource::kPoses) of_.emplace<Posed>(config);
 }
 
 template <typename Sample>
@@ -110,95 +111,102 @@ void EgoMotion::wait(const Sample& sample, bool plausible, SortBuffer<Sample, kP
 
 void EgoMotion::add(const ImuSample& sample) noexcept {
   ++imu_counters_.in;
-  if (config_.source != MotionSource::kOdometry) return;
-  wait(sample, plausible(sample, config_), imu_, imu_counters_);
+  if (auto* const of = std::get_if<Odometric>(&of_))
+    wait(sample, plausible(sample, config_), of->imu, imu_counters_);
 }
 
 void EgoMotion::add(const OdometrySample& sample) noexcept {
   ++odometry_counters_.in;
-  if (config_.source != MotionSource::kOdometry) return;
-  wait(sample, plausible(sample, config_), odometry_, odometry_counters_);
+  if (auto* const of = std::get_if<Odometric>(&of_))
+    wait(sample, plausible(sample, config_), of->odometry, odometry_counters_);
 }
 
 void EgoMotion::add(const PoseSample& sample) noexcept {
   ++pose_counters_.in;
-  if (config_.source != MotionSource::kPoses) return;
-  wait(sample, plausible(sample), poses_, pose_counters_);
+  if (auto* const of = std::get_if<Posed>(&of_)) wait(sample, plausible(sample), of->poses, pose_counters_);
 }
 
 void EgoMotion::advance(std::int64_t t_us) noexcept {
   if (t_us <= horizon_us_) return;
   horizon_us_ = t_us;
-  while (poses_.due(t_us)) use(poses_.take_oldest());
+  if (auto* const of = std::get_if<Posed>(&of_)) {
+    while (of->poses.due(t_us)) use(*of, of->poses.take_oldest());
+    return;
+  }
+  Odometric& of = *std::get_if<Odometric>(&of_);
   for (;;) {
-    const bool imu = imu_.due(t_us);
-    const bool odometry = odometry_.due(t_us);
-    if (imu && (!odometry || imu_.oldest().t_us <= odometry_.oldest().t_us)) {
-      use(imu_.take_oldest());
+    const bool imu = of.imu.due(t_us);
+    const bool odometry = of.odometry.due(t_us);
+    if (imu && (!odometry || of.imu.oldest().t_us <= of.odometry.oldest().t_us)) {
+      use(of, of.imu.take_oldest());
     } else if (odometry) {
-      use(odometry_.take_oldest());
+      use(of, of.odometry.take_oldest());
     } else {
       return;
     }
   }
 }
 
-void EgoMotion::use(const ImuSample& sample) noexcept {
+void EgoMotion::use(Odometric& of, const ImuSample& sample) noexcept {
   ++imu_counters_.used;
-  filter_.use(sample);
-  remember(sample.t_us, sample.has_gyro);
+  of.filter.use(sample);
+  of.remember(sample.t_us, sample.has_gyro);
 }
 
-void EgoMotion::use(const OdometrySample& sample) noexcept {
+void EgoMotion::use(Odometric& of, const OdometrySample& sample) noexcept {
   ++odometry_counters_.used;
-  if (!filter_.use(sample)) ++odometry_counters_.rejected;
-  remember(sample.t_us, false);
+  if (!of.filter.use(sample)) ++odometry_counters_.rejected;
+  of.remember(sample.t_us, false);
 }
 
-void EgoMotion::use(const PoseSample& sample) noexcept {
+void EgoMotion::use(Posed& of, const PoseSample& sample) noexcept {
   ++pose_counters_.used;
-  if (!pose_history_.add(sample)) ++pose_counters_.rejected;
+  if (!of.history.add(sample)) ++pose_counters_.rejected;
 }
 
 /// The rate is known at the gyro's times: entries in between would hold it back. What odometry brought shows
 /// up at the next gyro sample; only without a gyro at once.
-void EgoMotion::remember(std::int64_t t_us, bool new_rate) noexcept {
-  if (!filter_.ready()) {
-    history_.clear();
+void EgoMotion::Odometric::remember(std::int64_t t_us, bool new_rate) noexcept {
+  if (!filter.ready()) {
+    history.clear();
     return;
   }
-  used_us_ = t_us;
-  if (new_rate || !filter_.has_gyro()) history_.add(filter_.camera_motion());
+  used_us = t_us;
+  if (new_rate || !filter.has_gyro()) history.add(filter.camera_motion());
 }
 
 std::int64_t EgoMotion::earliest_us() const noexcept {
-  if (config_.source == MotionSource::kPoses) return pose_history_.earliest_us();
-  return history_.empty() ? INT64_MAX : history_.oldest_us();
+  if (const auto* const of = std::get_if<Posed>(&of_)) return of->history.earliest_us();
+  const MotionHistory& history = std::get_if<Odometric>(&of_)->history;
+  return history.empty() ? INT64_MAX : history.oldest_us();
 }
 
 std::int64_t EgoMotion::newest_us() const noexcept {
-  if (config_.source == MotionSource::kPoses) return pose_history_.newest_us();
-  return history_.empty() ? INT64_MIN : used_us_;
+  if (const auto* const of = std::get_if<Posed>(&of_)) return of->history.newest_us();
+  const Odometric& of = *std::get_if<Odometric>(&of_);
+  return of.history.empty() ? INT64_MIN : of.used_us;
 }
 
 bool EgoMotion::known(std::int64_t begin_us, std::int64_t end_us) const noexcept {
   EGOFOCUS_CHECK(begin_us <= end_us);
   if (begin_us < earliest_us() || end_us - newest_us() > kMaxHold_us) return false;
-  return config_.source != MotionSource::kPoses || pose_history_.whole(begin_us, end_us);
+  const auto* const of = std::get_if<Posed>(&of_);
+  return of == nullptr || of->history.whole(begin_us, end_us);
 }
 
 bool EgoMotion::track(std::int64_t begin_us, std::int64_t end_us, MotionTrack& out) const noexcept {
   if (!known(begin_us, end_us)) return false;
-  if (config_.source == MotionSource::kPoses) {
-    pose_history_.track(begin_us, end_us, out);
+  if (const auto* const of = std::get_if<Posed>(&of_)) {
+    of->history.track(begin_us, end_us, out);
   } else {
-    integrate_track(history_.between(begin_us, end_us), begin_us, end_us, out);
+    const MotionHistory& history = std::get_if<Odometric>(&of_)->history;
+    integrate_track(history.between(begin_us, end_us), begin_us, end_us, out);
   }
   return true;
 }
 
 int EgoMotion::samples(std::int64_t begin_us, std::int64_t end_us,
-                       std::span<CameraMotion> out) const noexcept {
+                       std::span<MotionSample> out) const noexcept {
   if (out.empty() || !known(begin_us, end_us)) return 0;
   const int n = out.size() < kMaxSamples ? static_cast<int>(out.size()) : kMaxSamples;
   for (int i = 0; i < n; ++i) {
@@ -210,7 +218,8 @@ int EgoMotion::samples(std::int64_t begin_us, std::int64_t end_us,
 
 CameraMotion EgoMotion::at_end(std::int64_t t_us) const noexcept {
   if (known(t_us, t_us)) {
-    return config_.source == MotionSource::kPoses ? pose_history_.at(t_us) : history_.at(t_us);
+    const auto* const of = std::get_if<Posed>(&of_);
+    return of != nullptr ? of->history.at(t_us) : std::get_if<Odometric>(&of_)->history.at(t_us);
   }
   CameraMotion nothing;
   nothing.t_us = t_us;

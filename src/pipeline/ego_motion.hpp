@@ -2,11 +2,12 @@
 //
 // Causal, and a function of the samples' times alone: add() only sorts, advance(t) uses what has t_us <= t.
 // The order of arrival does not matter as long as a sample comes before the advance() that passes its time;
-// after it, it is late. Fixed-size: the object is a few hundred kilobytes and belongs into the arena.
+// after it, it is late. Fixed-size: the object is some two hundred kilobytes and belongs into the arena.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <variant>
 
 #include "egofocus/config.hpp"
 #include "egofocus/health.hpp"
@@ -58,7 +59,7 @@ class EgoMotion {
 
   /// min(kMaxSamples, out.size()) samples, evenly from begin_us to end_us, newest last; 0 where track() says
   /// false.
-  int samples(std::int64_t begin_us, std::int64_t end_us, std::span<CameraMotion> out) const noexcept;
+  int samples(std::int64_t begin_us, std::int64_t end_us, std::span<MotionSample> out) const noexcept;
 
   /// The motion at t_us; beyond the newest sample the last one, held. Zero where motion is not known.
   [[nodiscard]] CameraMotion at_end(std::int64_t t_us) const noexcept;
@@ -67,31 +68,40 @@ class EgoMotion {
   [[nodiscard]] const SampleCounters& odometry_counters() const noexcept { return odometry_counters_; }
   [[nodiscard]] const SampleCounters& pose_counters() const noexcept { return pose_counters_; }
 
-  /// For tests and logs.
-  [[nodiscard]] const VelocityFilter& filter() const noexcept { return filter_; }
+  /// For tests and logs. Precondition: MotionSource::kOdometry.
+  [[nodiscard]] const VelocityFilter& filter() const noexcept { return std::get_if<Odometric>(&of_)->filter; }
 
  private:
+  /// What each kind of source needs.
+  struct Odometric {
+    explicit Odometric(const MotionConfig& config) noexcept : filter(config) {}
+    void remember(std::int64_t t_us, bool new_rate) noexcept;
+    SortBuffer<ImuSample, kPending> imu;
+    SortBuffer<OdometrySample, kPending> odometry;
+    VelocityFilter filter;
+    MotionHistory history;
+    std::int64_t used_us = INT64_MIN;  // the newest sample that the history rests on
+  };
+  struct Posed {
+    explicit Posed(const MotionConfig& config) noexcept : history(config) {}
+    SortBuffer<PoseSample, kPending> poses;
+    PoseHistory history;
+  };
+
   [[nodiscard]] bool known(std::int64_t begin_us, std::int64_t end_us) const noexcept;
-  void use(const ImuSample& sample) noexcept;
-  void use(const OdometrySample& sample) noexcept;
-  void use(const PoseSample& sample) noexcept;
-  void remember(std::int64_t t_us, bool new_rate) noexcept;
+  void use(Odometric& of, const ImuSample& sample) noexcept;
+  void use(Odometric& of, const OdometrySample& sample) noexcept;
+  void use(Posed& of, const PoseSample& sample) noexcept;
   template <typename Sample>
   void wait(const Sample& sample, bool plausible, SortBuffer<Sample, kPending>& pending,
             SampleCounters& counters) noexcept;
 
   MotionConfig config_;
   std::int64_t horizon_us_ = INT64_MIN;  // the last advance()
-  SortBuffer<ImuSample, kPending> imu_;
-  SortBuffer<OdometrySample, kPending> odometry_;
-  SortBuffer<PoseSample, kPending> poses_;
   SampleCounters imu_counters_;
   SampleCounters odometry_counters_;
   SampleCounters pose_counters_;
-  VelocityFilter filter_;
-  MotionHistory history_;
-  std::int64_t used_us_ = INT64_MIN;  // the newest sample that history_ rests on
-  PoseHistory pose_history_;
+  std::variant<Odometric, Posed> of_;
 };
 
 }  // namespace egofocus

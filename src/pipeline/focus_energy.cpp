@@ -136,14 +136,14 @@ void box_line(const std::uint32_t* in, std::int32_t padded, std::uint32_t* __res
 
 template <std::int32_t kReach>
 void support(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
-             const EnergyGrid& grid, std::int32_t y, std::span<std::uint32_t> line, std::int32_t padded,
-             std::uint32_t* out) noexcept {
+             std::size_t plane_stride, const EnergyGrid& grid, std::int32_t y, std::span<std::uint32_t> line,
+             std::int32_t padded, std::uint32_t* out) noexcept {
   std::uint32_t* const columns = line.data() + kMostReach;
   std::uint32_t* const boxed = columns + padded + 2 * kMostReach;
   for (std::uint32_t& v : line) v = 0;
   const RowWeights<kReach> rows(grid, y);
   for (std::int32_t k = 0; k < hypotheses; ++k) {
-    const std::size_t plane = static_cast<std::size_t>(k) * grid.size();
+    const std::size_t plane = static_cast<std::size_t>(k) * plane_stride;
     std::uint32_t* const to = out + static_cast<std::size_t>(k) * static_cast<std::size_t>(padded);
     std::uint32_t* const sum = kReach == 0 ? to : columns;
     if (second != nullptr) {
@@ -204,17 +204,17 @@ void sum_cells(std::span<const std::uint8_t> plane, std::int32_t width_px, std::
 }
 
 void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
-                 const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
-                 std::int32_t padded, std::uint32_t* out) noexcept {
+                 std::size_t plane_stride, const EnergyGrid& grid, std::int32_t side, std::int32_t y,
+                 std::span<std::uint32_t> line, std::int32_t padded, std::uint32_t* out) noexcept {
   switch (side) {
     case 1:
-      return support<0>(first, second, hypotheses, grid, y, line, padded, out);
+      return support<0>(first, second, hypotheses, plane_stride, grid, y, line, padded, out);
     case 3:
-      return support<1>(first, second, hypotheses, grid, y, line, padded, out);
+      return support<1>(first, second, hypotheses, plane_stride, grid, y, line, padded, out);
     case 5:
-      return support<2>(first, second, hypotheses, grid, y, line, padded, out);
+      return support<2>(first, second, hypotheses, plane_stride, grid, y, line, padded, out);
     default:
-      return support<3>(first, second, hypotheses, grid, y, line, padded, out);
+      return support<3>(first, second, hypotheses, plane_stride, grid, y, line, padded, out);
   }
 }
 

@@ -34,13 +34,14 @@ struct CellSums {
 void sum_cells(std::span<const std::uint8_t> plane, std::int32_t width_px, std::int32_t height_px,
                std::span<std::uint32_t> scratch, const CellSums& out) noexcept;
 
-/// E_r of row `y` of maps [hypotheses][cells]; `second` is another map that is added, or nullptr. side: odd,
-/// 1..7 (1: a copy), so that 2 * 65535 * side^4 fits. out: [hypotheses][padded], where padded is grid.width
-/// or more and a multiple of 8; beyond the grid stands what its zeros give. line: 2 * (padded + 6) values of
-/// scratch. Thread: any. RT: yes, O(hypotheses * width * side).
+/// E_r of row `y` of maps [hypotheses][cells], each plane_stride after the one before; `second` is another
+/// map that is added, or nullptr. side: odd, 1..7 (1: a copy), so that 2 * 65535 * side^4 fits. out:
+/// [hypotheses][padded], where padded is grid.width or more and a multiple of 8; beyond the grid stands what
+/// its zeros give. line: 2 * (padded + 6) values of scratch. Thread: any. RT: yes, O(hypotheses * width *
+/// side).
 void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
-                 const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
-                 std::int32_t padded, std::uint32_t* out) noexcept;
+                 std::size_t plane_stride, const EnergyGrid& grid, std::int32_t side, std::int32_t y,
+                 std::span<std::uint32_t> line, std::int32_t padded, std::uint32_t* out) noexcept;
 
 /// Counts over cells of 2x2 pixels, saturating at 255: what the refinement gathers. out: [ceil(height / 2)]
 /// [ceil(width / 2)]. Thread: any. RT: yes, O(pixels).

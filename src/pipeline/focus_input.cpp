@@ -56,8 +56,38 @@ std::size_t FocusInput::focus_bytes(const FocusInputConfig& config, const Intrin
          energy_grid(grid.width_px, grid.height_px).size();
 }
 
+std::size_t FocusInput::context_bytes(const FocusInputConfig& config, const Intrinsics& grid) noexcept {
+  return static_cast<std::size_t>(config.map_count + 6) * energy_grid(grid.width_px, grid.height_px).size();
+}
+
+std::size_t FocusInput::rows_bytes(const Intrinsics& grid, std::int32_t hypotheses, int parts) noexcept {
+  Arena counter;
+  Scratch s;
+  const auto width = static_cast<std::size_t>(energy_grid(grid.width_px, grid.height_px).width);
+  for (int i = 0; i < parts; ++i)
+    take_rows(s, static_cast<std::size_t>(hypotheses), padded_row(width), counter);
+  return counter.used_bytes();
+}
+
+void FocusInput::take_rows(Scratch& s, std::size_t depth, std::size_t padded, Arena& arena) noexcept {
+  s.counts = arena.array<std::uint32_t>(depth * padded);
+  s.reciprocal = arena.array<std::uint32_t>(depth * padded);
+  s.ratio = arena.array<std::uint32_t>(depth * padded);
+  s.line = arena.array<std::uint32_t>(2 * (padded + 6));
+  s.count_sum = arena.array<std::uint32_t>(padded);
+  s.deviation = arena.array<std::int16_t>(depth * padded);
+  for (std::span<std::uint32_t>* values :
+       {&s.row.mean, &s.row.half, &s.row.scale, &s.row.square, &s.row.noise})
+    *values = arena.array<std::uint32_t>(padded);
+  s.row.low = arena.array<std::int32_t>(padded);
+  s.row.high = arena.array<std::int32_t>(padded);
+  s.row.limit = arena.array<std::int16_t>(padded);
+  s.row.factor = arena.array<std::uint16_t>(padded);
+  s.row.gain = arena.array<std::uint16_t>(padded);
+}
+
 FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses,
-                       int parts, Arena& arena, Arena& sums_arena, Arena& focus_arena) noexcept
+                       int parts, const Memory& memory) noexcept
     : config_(config),
       grid_(grid),
       cells_(energy_grid(grid.width_px, grid.height_px)),
@@ -69,28 +99,14 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
   const auto width = static_cast<std::size_t>(cells_.width);
   const std::size_t padded = padded_row(width);
   for (std::int32_t i = 0; i < 4; ++i) scale_[i] = support_scale(2 * i + 1, config.floor_events_milli);
-  sums_ = sums_arena.array<std::uint16_t>(sums_bytes(grid, hypotheses) / sizeof(std::uint16_t));
-  focus_ = focus_arena.array<std::uint8_t>(focus_bytes(config, grid, hypotheses));
-  context_ = arena.array<std::uint8_t>(static_cast<std::size_t>(context_channels()) * cells_.size());
-  column_q8_ = arena.array<std::int32_t>(width);
-  row_q8_ = arena.array<std::int32_t>(static_cast<std::size_t>(cells_.height));
+  sums_ = memory.sums.array<std::uint16_t>(sums_bytes(grid, hypotheses) / sizeof(std::uint16_t));
+  focus_ = memory.focus.array<std::uint8_t>(focus_bytes(config, grid, hypotheses));
+  context_ = memory.context.array<std::uint8_t>(context_bytes(config, grid));
+  column_q8_ = memory.always.array<std::int32_t>(width);
+  row_q8_ = memory.always.array<std::int32_t>(static_cast<std::size_t>(cells_.height));
   for (int i = 0; i < parts; ++i) {
-    Scratch& s = scratch_[i];
-    // sum_cells() works in it, too: four values for each of a cell's four columns.
-    s.counts = arena.array<std::uint32_t>((depth > 16 ? depth : 16) * padded);
-    s.reciprocal = arena.array<std::uint32_t>(depth * padded);
-    s.ratio = arena.array<std::uint32_t>(depth * padded);
-    s.line = arena.array<std::uint32_t>(2 * (padded + 6));
-    s.count_sum = arena.array<std::uint32_t>(padded);
-    s.deviation = arena.array<std::int16_t>(depth * padded);
-    for (std::span<std::uint32_t>* values :
-         {&s.row.mean, &s.row.half, &s.row.scale, &s.row.square, &s.row.noise})
-      *values = arena.array<std::uint32_t>(padded);
-    s.row.low = arena.array<std::int32_t>(padded);
-    s.row.high = arena.array<std::int32_t>(padded);
-    s.row.limit = arena.array<std::int16_t>(padded);
-    s.row.factor = arena.array<std::uint16_t>(padded);
-    s.row.gain = arena.array<std::uint16_t>(padded);
+    scratch_[i].strip = memory.always.array<std::uint32_t>(4 * static_cast<std::size_t>(grid.width_px));
+    take_rows(scratch_[i], depth, padded, memory.rows);
   }
 }
 
@@ -112,7 +128,7 @@ void FocusInput::begin(const HypothesisLadder& ladder, const double (&baseline_m
 }
 
 void FocusInput::add_plane(std::int32_t k, std::span<const std::uint8_t> plane, int part) noexcept {
-  sum_cells(plane, grid_.width_px, grid_.height_px, scratch_[part].counts,
+  sum_cells(plane, grid_.width_px, grid_.height_px, scratch_[part].strip,
             {sums(0, k), sums(1, k), sums(2, k), sums(3, k)});
 }
 
@@ -132,7 +148,7 @@ void FocusInput::displacements(const HypothesisLadder& ladder, const double (&ba
 }
 
 std::span<std::uint16_t> FocusInput::sums(std::size_t map, std::int32_t k) const noexcept {
-  const std::size_t plane = map * static_cast<std::size_t>(hypotheses_) + static_cast<std::size_t>(k);
+  const std::size_t plane = 4 * static_cast<std::size_t>(k) + map;
   return sums_.subspan(plane * cells_.size(), cells_.size());
 }
 
@@ -168,7 +184,8 @@ void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept
   const std::size_t at = static_cast<std::size_t>(y) * width;
   const std::span<std::uint32_t> counts = s.counts.first(static_cast<std::size_t>(used_) * padded);
   const std::span<std::uint32_t> ratio = s.ratio.first(counts.size());
-  support_row(sums(3, 0).data(), nullptr, used_, cells_, side, y, s.line, stride, counts.data());
+  support_row(sums(3, 0).data(), nullptr, used_, 4 * cells_.size(), cells_, side, y, s.line, stride,
+              counts.data());
   for (std::uint32_t& sum : s.count_sum) sum = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(used_); ++k)
     for (std::size_t x = 0; x < padded; ++x) s.count_sum[x] += counts[k * padded + x];
@@ -183,7 +200,8 @@ void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept
     const FocusMapKind kind = config_.maps[m].kind;
     const std::size_t first = kind == FocusMapKind::kSquares ? 2 : (kind == FocusMapKind::kGradientY ? 1 : 0);
     const std::uint16_t* const second = kind == FocusMapKind::kGradient ? sums(1, 0).data() : nullptr;
-    support_row(sums(first, 0).data(), second, used_, cells_, side, y, s.line, stride, ratio.data());
+    support_row(sums(first, 0).data(), second, used_, 4 * cells_.size(), cells_, side, y, s.line, stride,
+                ratio.data());
     sharpness_row(scale, floor_noise_q20_, used_, s.reciprocal.first(ratio.size()), ratio, s.deviation, s.row,
                   width, &focus_[m * cells_.size() + at], maps * cells_.size(),
                   &context_[(2 + m) * cells_.size() + at]);

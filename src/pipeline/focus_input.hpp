@@ -41,13 +41,24 @@ class FocusInput {
   /// of a row for each part. `hypotheses` (D): 1..64.
   FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses, int parts,
              Arena& arena) noexcept
-      : FocusInput(config, grid, hypotheses, parts, arena, arena, arena) {}
-  /// The sums, which nobody needs after run(), and the focus from arenas of their own.
+      : FocusInput(config, grid, hypotheses, parts, {arena, arena, arena, arena, arena}) {}
+  /// The same from arenas of their own, by what they are needed for.
+  struct Memory {
+    Arena& always;
+    Arena& sums;   ///< from add_plane() to finish(); those of hypothesis k at k times sums_bytes(grid, 1)
+    Arena& rows;   ///< in finish()
+    Arena& focus;  ///< outputs: written by finish()
+    Arena& context;
+  };
   FocusInput(const FocusInputConfig& config, const Intrinsics& grid, std::int32_t hypotheses, int parts,
-             Arena& arena, Arena& sums, Arena& focus) noexcept;
+             const Memory& memory) noexcept;
   [[nodiscard]] static std::size_t sums_bytes(const Intrinsics& grid, std::int32_t hypotheses) noexcept;
+  [[nodiscard]] static std::size_t rows_bytes(const Intrinsics& grid, std::int32_t hypotheses,
+                                              int parts) noexcept;
   [[nodiscard]] static std::size_t focus_bytes(const FocusInputConfig& config, const Intrinsics& grid,
                                                std::int32_t hypotheses) noexcept;
+  [[nodiscard]] static std::size_t context_bytes(const FocusInputConfig& config,
+                                                 const Intrinsics& grid) noexcept;
 
   /// `planes`: counts [ladder.count][height][width] of the grid, as Warp::planes() has them; ladder.count:
   /// 1..D. `baseline_m`: the camera's centre at the window's begin, seen at its end. The outputs are valid
@@ -72,6 +83,7 @@ class FocusInput {
  private:
   static constexpr int kMaxParts = WorkerPool::kMaxParts;
   struct Scratch {
+    std::span<std::uint32_t> strip;       // sum_cells()'
     std::span<std::uint32_t> counts;      // [D][width]
     std::span<std::uint32_t> reciprocal;  // [D][width]
     std::span<std::uint32_t> ratio;       // [D][width]
@@ -80,6 +92,7 @@ class FocusInput {
     std::span<std::uint32_t> count_sum;  // [width]
     SharpnessRow row;
   };
+  static void take_rows(Scratch& s, std::size_t depth, std::size_t padded, Arena& arena) noexcept;
   void displacements(const HypothesisLadder& ladder, const double (&baseline_m)[3]) noexcept;
   void rows(int part, int parts) noexcept;
   void support(std::int32_t side, std::int32_t y, Scratch& s) noexcept;
@@ -93,7 +106,7 @@ class FocusInput {
   std::int32_t hypotheses_;
   std::uint32_t floor_noise_q20_;
   SupportScale scale_[4];
-  std::span<std::uint16_t> sums_;  // [gradient_x, gradient_y, squares, counts][D][cells]
+  std::span<std::uint16_t> sums_;  // [D][gradient_x, gradient_y, squares, counts][cells]
   std::span<std::uint8_t> focus_;
   std::span<std::uint8_t> context_;
   std::span<std::int32_t> column_q8_;  // [width] px of one hypothesis

@@ -5,17 +5,17 @@
 namespace egofocus {
 namespace {
 
-template <int n>
-void mix(const double (&a)[n], const double (&b)[n], double share, double (&out)[n]) noexcept {
-  for (int i = 0; i < n; ++i) out[i] = a[i] + (b[i] - a[i]) * share;
+void mix(const double (&a)[3], const double (&b)[3], double share, double (&out)[3]) noexcept {
+  for (int i = 0; i < 3; ++i) out[i] = a[i] + (b[i] - a[i]) * share;
 }
 
 }  // namespace
 
 void MotionHistory::add(const CameraMotion& motion) noexcept {
   EGOFOCUS_CHECK(size_ == 0 || motion.t_us >= newest_us());
+  newest_ = motion;
   const bool close = size_ >= 2 && motion.t_us - entries_[size_ - 2].t_us < kSpacing_us;
-  const bool same = size_ >= 1 && motion.t_us == newest_us();
+  const bool same = size_ >= 1 && motion.t_us == entries_[size_ - 1].t_us;
   if (close || same) {
     entries_[size_ - 1] = motion;
     return;
@@ -39,21 +39,25 @@ std::size_t MotionHistory::find(std::int64_t t_us) const noexcept {
 
 CameraMotion MotionHistory::at(std::int64_t t_us) const noexcept {
   EGOFOCUS_CHECK(size_ > 0);
+  CameraMotion motion;
+  if (t_us >= newest_us()) {
+    motion = newest_;
+    motion.t_us = t_us;
+    return motion;
+  }
   const std::size_t i = find(t_us);
-  const CameraMotion& a = entries_[i];
-  CameraMotion motion = a;
+  const MotionSample& a = entries_[i];
+  static_cast<MotionSample&>(motion) = a;
   motion.t_us = t_us;
-  if (t_us <= a.t_us || i + 1 == size_) return motion;
-  const CameraMotion& b = entries_[i + 1];
+  if (t_us <= a.t_us) return motion;
+  const MotionSample& b = entries_[i + 1];
   const double share = static_cast<double>(t_us - a.t_us) / static_cast<double>(b.t_us - a.t_us);
   mix(a.velocity_m_s, b.velocity_m_s, share, motion.velocity_m_s);
   mix(a.angular_rate_rad_s, b.angular_rate_rad_s, share, motion.angular_rate_rad_s);
-  mix(a.velocity_covariance_m2_s2, b.velocity_covariance_m2_s2, share, motion.velocity_covariance_m2_s2);
-  mix(a.rate_covariance_rad2_s2, b.rate_covariance_rad2_s2, share, motion.rate_covariance_rad2_s2);
   return motion;
 }
 
-std::span<const CameraMotion> MotionHistory::between(std::int64_t begin_us,
+std::span<const MotionSample> MotionHistory::between(std::int64_t begin_us,
                                                      std::int64_t end_us) const noexcept {
   EGOFOCUS_CHECK(size_ > 0);
   const std::size_t first = find(begin_us);

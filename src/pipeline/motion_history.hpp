@@ -1,5 +1,5 @@
 // The last second or more of camera motion, as the filter saw it when each sample came: piecewise linear in
-// between.
+// between. How well it is known is kept of the newest alone.
 #pragma once
 
 #include <cstddef>
@@ -22,16 +22,16 @@ class MotionHistory {
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   /// Precondition of both: not empty.
   [[nodiscard]] std::int64_t oldest_us() const noexcept { return entries_[0].t_us; }
-  [[nodiscard]] std::int64_t newest_us() const noexcept { return entries_[size_ - 1].t_us; }
+  [[nodiscard]] std::int64_t newest_us() const noexcept { return newest_.t_us; }
 
   /// Times must not fall. The newest entry is replaced when it is closer than kSpacing_us to its predecessor.
   void add(const CameraMotion& motion) noexcept;
 
-  /// Interpolated; held beyond both ends. Precondition: not empty.
+  /// Interpolated; held beyond both ends. From newest_us() on with its covariances. Precondition: not empty.
   [[nodiscard]] CameraMotion at(std::int64_t t_us) const noexcept;
 
   /// The entries that the motion between two times rests on, its neighbours on both sides included.
-  [[nodiscard]] std::span<const CameraMotion> between(std::int64_t begin_us,
+  [[nodiscard]] std::span<const MotionSample> between(std::int64_t begin_us,
                                                       std::int64_t end_us) const noexcept;
 
  private:
@@ -40,8 +40,9 @@ class MotionHistory {
 
   // Twice the room: the newer half moves to the front when the end is reached, so that entries stay in one
   // piece.
-  CameraMotion entries_[2 * kCapacity];
+  MotionSample entries_[2 * kCapacity];
   std::size_t size_ = 0;
+  CameraMotion newest_;
 };
 
 }  // namespace egofocus

@@ -48,7 +48,7 @@ void advance(Pose& pose, const Twist& from, const Twist& to, double h) noexcept 
 /// begin.
 class Twists {
  public:
-  Twists(std::span<const CameraMotion> samples, std::int64_t begin_us) noexcept
+  Twists(std::span<const MotionSample> samples, std::int64_t begin_us) noexcept
       : samples_(samples), begin_us_(begin_us) {}
 
   /// Time of the first sample after t, or `limit` where that is sooner.
@@ -75,7 +75,7 @@ class Twists {
     return {vec3(samples_[i].velocity_m_s), vec3(samples_[i].angular_rate_rad_s)};
   }
 
-  std::span<const CameraMotion> samples_;
+  std::span<const MotionSample> samples_;
   std::int64_t begin_us_;
   std::size_t next_ = 0;
 };
@@ -89,7 +89,7 @@ void store(const Mat3& rotation, const Vec3& centre, MotionKnot& knot) noexcept 
   }
 }
 
-void integrate_track(std::span<const CameraMotion> motion, std::int64_t begin_us, std::int64_t end_us,
+void integrate_track(std::span<const MotionSample> motion, std::int64_t begin_us, std::int64_t end_us,
                      MotionTrack& out) noexcept {
   EGOFOCUS_CHECK(!motion.empty() && begin_us <= end_us);
   out.begin_us = begin_us;

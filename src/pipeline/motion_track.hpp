@@ -1,6 +1,6 @@
-// How the camera moved during one window: what the warp needs (MotionTrack) and what its user may ask
-// (CameraMotion). METHOD: a static point has dP/dt = -omega x P - T in camera coordinates; R and c of the
-// track follow from it.
+// How the camera moved during one window: what the warp needs (MotionTrack), what that rests on
+// (MotionSample) and what its user may ask (CameraMotion). METHOD: a static point has dP/dt = -omega x P - T
+// in camera coordinates; R and c of the track follow from it.
 #pragma once
 
 #include <cstdint>
@@ -27,11 +27,16 @@ struct MotionTrack {
 };
 
 /// Velocity of the camera's centre and angular rate, both in the camera frame (x right, y down, z forward).
-struct CameraMotion {
+struct MotionSample {
   std::int64_t t_us = 0;
   double velocity_m_s[3] = {0, 0, 0};
   double angular_rate_rad_s[3] = {0, 0, 0};
-  /// Upper triangles xx, xy, xz, yy, yz, zz, 1-sigma squared. All zero: not known (motion from poses).
+};
+
+/// And how well it is known.
+struct CameraMotion : MotionSample {
+  /// Upper triangles xx, xy, xz, yy, yz, zz, 1-sigma squared. All zero: not known (motion from poses, and
+  /// motion before the newest sample).
   double velocity_covariance_m2_s2[6] = {0, 0, 0, 0, 0, 0};
   double rate_covariance_rad2_s2[6] = {0, 0, 0, 0, 0, 0};
 };
@@ -39,7 +44,7 @@ struct CameraMotion {
 /// The track of piecewise linear velocity and angular rate through `motion`: at least one, times rising. Held
 /// constant before the first and beyond the last. Fourth order: errors are below 1e-9 m and rad for 1 rad and
 /// 3 m in a window. Thread: any. RT: yes, O(kKnots + motion.size()).
-void integrate_track(std::span<const CameraMotion> motion, std::int64_t begin_us, std::int64_t end_us,
+void integrate_track(std::span<const MotionSample> motion, std::int64_t begin_us, std::int64_t end_us,
                      MotionTrack& out) noexcept;
 
 /// 1-sigma of |velocity|, along the velocity itself; of its largest component where the velocity is zero.

@@ -13,8 +13,7 @@ std::optional<NetworkMemory> network_memory(const Config& config, const Model& m
 Warp make_warp(const Config& config, const KernelTable& kernels, const std::optional<NetworkMemory>& shared,
                Arena& arena) noexcept {
   if (!shared) return Warp(config, kernels, arena);
-  Arena lines = shared->lines();
-  return Warp(config, kernels, arena, lines);
+  return Warp(config, kernels, arena, shared->stack().line_events, shared->lines());
 }
 
 }  // namespace
@@ -24,13 +23,13 @@ Pipeline::Pipeline(const Config& config, const Model& model, const KernelTable& 
     : config_(config),
       grid_(working_grid(config)),
       filter_(config, arena.part(ArenaPart::kWindow)),
-      window_(config.window, arena),
+      window_(config.window, config.camera.intrinsics, arena),
       ego_motion_(arena.part(ArenaPart::kMotion).object<EgoMotion>(config.motion)),
       track_(arena.object<MotionTrack>()),
       network_memory_(network_memory(config, model, arena.part(ArenaPart::kBackend))),
       warp_(make_warp(config, kernels, network_memory_, arena.part(ArenaPart::kWarp))),
       depth_decode_(grid_, !network_memory_, arena.part(ArenaPart::kDepth)),
-      carried_(config.carry, grid_, warp_.scratch(), arena) {
+      carried_(config.carry, grid_, network_memory_ ? network_memory_->idle() : warp_.scratch(), arena) {
   arena.part(ArenaPart::kBackend);
   if (network_memory_) {
     network_.emplace(config, model, kernels, *network_memory_, arena);
@@ -125,21 +124,20 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
 
 CellDepth Pipeline::depth_of_cells(const EventWindow::Selection& selection, const HypothesisLadder& ladder,
                                    WorkerPool& pool, StageWatch& watch, StageTimes& stages) noexcept {
-  const double(&baseline_m)[3] = track_->knots[0].centre_m;
-  in_parts(pool, [&](int part, int parts) noexcept {
-    warp_.project(window_, selection, *track_, ladder, part, parts);
-  });
   CellDepth cells;
   if (network_) {
-    network_->vote(warp_, ladder, baseline_m, pool);
+    network_->vote(warp_, {window_, selection, *track_, ladder}, pool);
     stages.warp_us = watch.lap_us();
     network_->prepare_input(pool);
     stages.input_us = watch.lap_us();
     cells = network_->run(pool);
   } else {
+    in_parts(pool, [&](int part, int parts) noexcept {
+      warp_.project(window_, selection, *track_, ladder, part, parts);
+    });
     in_parts(pool, [this](int part, int parts) noexcept { warp_.vote(part, parts); });
     stages.warp_us = watch.lap_us();
-    cells = focus_->run(warp_, ladder, baseline_m, pool);
+    cells = focus_->run(warp_, ladder, track_->knots[0].centre_m, pool);
   }
   stages.backend_us = watch.lap_us();
   return cells;

@@ -40,10 +40,10 @@ Status check_velocity_noise(const VelocityNoise& noise) noexcept {
 }
 
 void add_velocity_noise(const VelocityNoise& noise, std::int64_t tick_us,
-                        std::span<CameraMotion> samples) noexcept {
+                        std::span<MotionSample> samples) noexcept {
   double speed = 0;
   double rate = 0;
-  for (const CameraMotion& sample : samples) {
+  for (const MotionSample& sample : samples) {
     speed += length(sample.velocity_m_s);
     rate += length(sample.angular_rate_rad_s);
   }
@@ -62,10 +62,10 @@ void add_velocity_noise(const VelocityNoise& noise, std::int64_t tick_us,
 
 bool noisy_track(const VelocityNoise& noise, const EgoMotion& ego_motion, std::int64_t oldest_us,
                  std::int64_t begin_us, std::int64_t tick_us, MotionTrack& out) noexcept {
-  CameraMotion samples[EgoMotion::kMaxSamples];
+  MotionSample samples[EgoMotion::kMaxSamples];
   const int count = ego_motion.samples(oldest_us, tick_us, samples);
   if (count == 0) return false;
-  const std::span<CameraMotion> used(samples, static_cast<std::size_t>(count));
+  const std::span<MotionSample> used(samples, static_cast<std::size_t>(count));
   add_velocity_noise(noise, tick_us, used);
   integrate_track(used, begin_us, tick_us, out);
   return true;

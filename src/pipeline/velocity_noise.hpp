@@ -18,7 +18,7 @@ Status check_velocity_noise(const VelocityNoise& noise) noexcept;
 /// are a function of (seed, tick_us, number of the sample, component) alone, and at most 6 sigma.
 /// Thread: any. RT: yes, O(samples).
 void add_velocity_noise(const VelocityNoise& noise, std::int64_t tick_us,
-                        std::span<CameraMotion> samples) noexcept;
+                        std::span<MotionSample> samples) noexcept;
 
 /// EgoMotion::track() from begin_us to tick_us, through EgoMotion::kMaxSamples noisy samples from oldest_us
 /// to tick_us: any begin_us of one tick meets the same errors. False where the motion since oldest_us is not

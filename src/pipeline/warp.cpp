@@ -23,15 +23,14 @@ MotionKnot interpolate(const MotionKnot& a, const MotionKnot& b, double share) n
   return out;
 }
 
-LandingLines take_lines(std::int32_t max_events, Arena& arena) noexcept {
-  const auto events = static_cast<std::size_t>(max_events);
+LandingLines take_lines(std::size_t events, bool with_time, Arena& arena) noexcept {
   LandingLines lines;
   lines.u_q16 = arena.array<std::int32_t>(events);
   lines.v_q16 = arena.array<std::int32_t>(events);
   lines.du_q16 = arena.array<std::int32_t>(events);
   lines.dv_q16 = arena.array<std::int32_t>(events);
   lines.k_end = arena.array<std::uint8_t>(events);
-  lines.time_u8 = arena.array<std::uint8_t>(events);
+  if (with_time) lines.time_u8 = arena.array<std::uint8_t>(events);
   return lines;
 }
 
@@ -65,30 +64,39 @@ LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsic
   return {round_q16(u), round_q16(v), round_q16(du), round_q16(dv), k_end};
 }
 
-std::size_t Warp::lines_bytes(std::int32_t max_events) noexcept {
+std::size_t Warp::lines_bytes(std::int32_t line_events) noexcept {
   Arena counter;
-  static_cast<void>(take_lines(max_events, counter));
+  static_cast<void>(take_lines(static_cast<std::size_t>(line_events), false, counter));
   return counter.used_bytes();
 }
 
 Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
-    : Warp(config, kernels, arena, arena, true) {}
+    : Warp(config, kernels, arena, config.window.max_events) {
+  lines_ = take_lines(line_events_, true, arena);
+  take_scratch(config.threads, arena);
+  stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
+}
 
-Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines) noexcept
-    : Warp(config, kernels, arena, lines, false) {}
+Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, std::int32_t line_events,
+           Arena lines) noexcept
+    : Warp(config, kernels, arena, line_events) {
+  lines_ = take_lines(line_events_, false, lines);
+  if (kernels.warp_vote.isa != Isa::kScalar) take_scratch(config.threads, arena);
+}
 
-Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines,
-           bool keeps_stack) noexcept
+Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, std::int32_t line_events) noexcept
     : grid_(working_grid(config)),
-      sensor_width_(config.camera.intrinsics.width_px),
       hypotheses_(config.ladder.hypotheses),
       pixels_(static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px)),
-      vote_(kernels.warp_vote.run) {
-  rays_ = arena.array<Ray>(static_cast<std::size_t>(sensor_width_) *
-                           static_cast<std::size_t>(config.camera.intrinsics.height_px));
-  lines_ = take_lines(config.window.max_events, lines);
-  if (keeps_stack) stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
-  for (int i = 0; i < config.threads; ++i) scratch_[i] = arena.array<std::uint32_t>(pixels_);
+      vote_(kernels.warp_vote.run),
+      line_events_(static_cast<std::uint32_t>(line_events)) {
+  const Intrinsics& sensor = config.camera.intrinsics;
+  rays_ = arena.array<Ray>(static_cast<std::size_t>(sensor.width_px) *
+                           static_cast<std::size_t>(sensor.height_px));
+}
+
+void Warp::take_scratch(int threads, Arena& arena) noexcept {
+  for (int i = 0; i < threads; ++i) scratch_[i] = arena.array<std::uint32_t>(pixels_);
 }
 
 void Warp::prepare(const CameraModel& camera) noexcept {
@@ -103,53 +111,65 @@ void Warp::prepare(std::span<const Ray> rays) noexcept {
 void Warp::project(const EventWindow& window, const EventWindow::Selection& selection,
                    const MotionTrack& track, const HypothesisLadder& ladder, int part, int parts) noexcept {
   if (part == 0) {
-    lines_.count = static_cast<std::int32_t>(selection.count);
     parts_ = parts;
     used_ = ladder.count;
   }
-  const std::uint64_t n = selection.count;
+  counts_[part] = {};
+  project_some({window, selection, track, ladder}, 0, selection.count, true, part, parts);
+}
+
+void Warp::begin(const HypothesisLadder& ladder, int parts) noexcept {
+  parts_ = parts;
+  used_ = ladder.count;
+  for (PartCount& counts : counts_) counts = {};
+}
+
+void Warp::project_some(const WarpTask& task, std::uint32_t begin, std::uint32_t count, bool is_new, int part,
+                        int parts) noexcept {
+  EGOFOCUS_CHECK(count <= line_events_);
+  const auto& [window, selection, track, ladder] = task;
+  if (part == 0) lines_.count = static_cast<std::int32_t>(count);
+  const std::uint64_t n = count;
   const auto first =
       static_cast<std::uint32_t>(n * static_cast<unsigned>(part) / static_cast<unsigned>(parts));
   const auto last =
       static_cast<std::uint32_t>(n * (static_cast<unsigned>(part) + 1) / static_cast<unsigned>(parts));
+  if (first == last) return;
   const std::int64_t length_us = track.end_us - track.begin_us;
   const double knots_per_us =
       length_us > 0 ? (MotionTrack::kKnots - 1) / static_cast<double>(length_us) : 0.0;
+  const bool with_time = !lines_.time_u8.empty();
   std::uint64_t behind = 0;
+  EventWindow::Reader reader(window, selection, begin + first);
   for (std::uint32_t i = first; i < last; ++i) {
-    const WindowEvent& event = window.at(selection, i);
-    const std::int64_t since_us =
-        length_us - static_cast<std::int64_t>(EventWindow::age_us(event, track.end_us));
+    const EventWindow::Selected event = reader.next();
+    const std::int64_t since_us = event.t_us - track.begin_us;
     const double at = static_cast<double>(since_us) * knots_per_us;
     int knot = static_cast<int>(at);
     if (knot > MotionTrack::kKnots - 2) knot = MotionTrack::kKnots - 2;
     const MotionKnot motion = interpolate(track.knots[knot], track.knots[knot + 1], at - knot);
-    const Ray& ray =
-        rays_[static_cast<std::size_t>(event.y()) * static_cast<std::size_t>(sensor_width_) + event.x()];
-    const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, ladder.count);
+    const LandingLine line = landing_line(rays_[event.pixel], motion, grid_, ladder.step_per_m, ladder.count);
     lines_.u_q16[i] = line.u_q16;
     lines_.v_q16[i] = line.v_q16;
     lines_.du_q16[i] = line.du_q16;
     lines_.dv_q16[i] = line.dv_q16;
     lines_.k_end[i] = static_cast<std::uint8_t>(line.k_end);
-    lines_.time_u8[i] = static_cast<std::uint8_t>(length_us > 0 ? since_us * 255 / length_us : 255);
+    if (with_time)
+      lines_.time_u8[i] = static_cast<std::uint8_t>(length_us > 0 ? since_us * 255 / length_us : 255);
     behind += static_cast<std::uint64_t>(ladder.count - line.k_end);
   }
-  counts_[part].behind_camera = behind;
-  counts_[part].votes = 0;
+  if (is_new) counts_[part].behind_camera += behind;
 }
 
 void Warp::vote(int part, int parts) noexcept {
   const std::int32_t first = used_ * part / parts;
   const std::int32_t last = used_ * (part + 1) / parts;
-  vote_planes(first, last - first, part,
-              stack_.subspan(static_cast<std::size_t>(first) * pixels_,
-                             static_cast<std::size_t>(last - first) * pixels_));
+  std::uint8_t* const planes = stack_.data() + static_cast<std::size_t>(first) * pixels_;
+  __builtin_memset(planes, 0, static_cast<std::size_t>(last - first) * pixels_);
+  add_votes(first, last - first, part, planes);
 }
 
-void Warp::vote_planes(std::int32_t first, std::int32_t count, int part,
-                       std::span<std::uint8_t> planes) noexcept {
-  __builtin_memset(planes.data(), 0, static_cast<std::size_t>(count) * pixels_);
+void Warp::add_votes(std::int32_t first, std::int32_t count, int part, std::uint8_t* planes) noexcept {
   WarpVote vote;
   vote.u_q16 = lines_.u_q16.data();
   vote.v_q16 = lines_.v_q16.data();
@@ -163,7 +183,7 @@ void Warp::vote_planes(std::int32_t first, std::int32_t count, int part,
   vote.height = grid_.height_px;
   vote.row_stride = grid_.width_px;
   vote.plane_stride = static_cast<std::int64_t>(pixels_);
-  vote.stack = planes.data();
+  vote.stack = planes;
   vote.scratch = scratch_[part].data();
   counts_[part].votes += static_cast<std::uint64_t>(vote_(vote));
 }

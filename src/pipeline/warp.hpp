@@ -24,7 +24,7 @@ struct LandingLines {
   std::span<std::int32_t> du_q16;
   std::span<std::int32_t> dv_q16;
   std::span<std::uint8_t> k_end;
-  std::span<std::uint8_t> time_u8;  ///< 0 at the window's begin, 255 at its end
+  std::span<std::uint8_t> time_u8;  ///< 0 at the window's begin, 255 at its end; empty: nobody asks
   std::int32_t count = 0;
 };
 
@@ -39,6 +39,14 @@ struct LandingLine {
 LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
                          std::int32_t hypotheses) noexcept;
 
+/// What a tick warps.
+struct WarpTask {
+  const EventWindow& window;
+  const EventWindow::Selection& selection;
+  const MotionTrack& track;
+  const HypothesisLadder& ladder;
+};
+
 class Warp {
  public:
   static constexpr int kMaxParts = 8;
@@ -46,9 +54,12 @@ class Warp {
   /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event), the stack (1 byte per
   /// hypothesis and grid pixel) and the kernel's scratch (4 bytes per grid pixel and thread) from the arena.
   Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
-  /// For vote_planes() alone: no stack, and the lines from an arena of their own.
-  Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines) noexcept;
-  [[nodiscard]] static std::size_t lines_bytes(std::int32_t max_events) noexcept;
+  /// For add_votes() alone: no stack, and the lines of so many events (17 bytes each) from an arena of their
+  /// own, and scratch only where the kernel wants it.
+  Warp(const Config& config, const KernelTable& kernels, Arena& arena, std::int32_t line_events,
+       Arena lines) noexcept;
+  [[nodiscard]] static std::size_t lines_bytes(std::int32_t line_events) noexcept;
+  [[nodiscard]] std::uint32_t line_events() const noexcept { return line_events_; }
 
   /// Fills the ray table. RT: no (set-up).
   void prepare(const CameraModel& camera) noexcept;
@@ -59,14 +70,21 @@ class Warp {
   void project(const EventWindow& window, const EventWindow::Selection& selection, const MotionTrack& track,
                const HypothesisLadder& ladder, int part, int parts) noexcept;
 
+  /// The same in pieces: begin(), then project_some() of `count` <= line_events() events from `begin` on, in
+  /// place of those before, whose votes are added by then. Counts what lies behind the camera where `is_new`:
+  /// when these events are projected for the first time. RT: yes.
+  void begin(const HypothesisLadder& ladder, int parts) noexcept;
+  void project_some(const WarpTask& task, std::uint32_t begin, std::uint32_t count, bool is_new, int part,
+                    int parts) noexcept;
+
   /// Clears and votes the hypotheses of part `part`, after all parts of project(). Parts may run at once. RT:
   /// yes.
   void vote(int part, int parts) noexcept;
 
-  /// Clears `planes` and votes hypotheses first .. first + count - 1 into them: [count][height][width]. In
-  /// place of vote(), each hypothesis once; quickest by kPlanesAtOnce. Parts may run at once. RT: yes.
+  /// Adds the votes of hypotheses first .. first + count - 1 to planes: [count][height][width]. In place of
+  /// vote(), for all lines that there are; quickest by kPlanesAtOnce. Parts may run at once. RT: yes.
   static constexpr std::int32_t kPlanesAtOnce = 4;
-  void vote_planes(std::int32_t first, std::int32_t count, int part, std::span<std::uint8_t> planes) noexcept;
+  void add_votes(std::int32_t first, std::int32_t count, int part, std::uint8_t* planes) noexcept;
 
   [[nodiscard]] std::uint64_t votes() const noexcept;
   [[nodiscard]] std::uint64_t behind_camera() const noexcept;
@@ -85,8 +103,9 @@ class Warp {
   [[nodiscard]] std::int32_t used() const noexcept { return used_; }
 
  private:
-  Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena& lines,
-       bool keeps_stack) noexcept;
+  Warp(const Config& config, const KernelTable& kernels, Arena& arena, std::int32_t line_events) noexcept;
+
+  void take_scratch(int threads, Arena& arena) noexcept;
 
   struct alignas(kCacheLine) PartCount {
     std::uint64_t votes = 0;
@@ -94,11 +113,11 @@ class Warp {
   };
 
   Intrinsics grid_;
-  std::int32_t sensor_width_;
   std::int32_t hypotheses_;
   std::size_t pixels_;
   WarpVoteFunction* vote_;
   std::span<Ray> rays_;
+  std::uint32_t line_events_;
   LandingLines lines_;
   std::span<std::uint8_t> stack_;
   std::span<std::uint32_t> scratch_[kMaxParts];  // the vote kernel's, all zero between calls

@@ -223,7 +223,7 @@ TEST_CASE("the lever arm: a camera ahead of a turning body moves sideways") {
   CHECK(speed_sigma_m_s(motion) > 0.005);
   CHECK(speed_sigma_m_s(motion) < 0.08);
 
-  std::vector<CameraMotion> window(32);
+  std::vector<MotionSample> window(32);
   CHECK(ego->samples(4800000, 5000000, window) == 20);
   CHECK(window[0].t_us == 4800000);
   CHECK(window[19].t_us == 5000000);

@@ -64,8 +64,8 @@ TEST_CASE("the arenas of the shipped models are what they are, within their boun
     std::size_t most, window, backend, weights, depth, all, without_rings;
   };
   const Shipped shipped =
-      GENERATE(Shipped{"base/base.efm", 10'000'000, 1920000, 3736704, 1371456, 1079808, 11048128, 9778368},
-               Shipped{"small/small.efm", 8'700'000, 1920000, 3731072, 263040, 1079808, 9934080, 8664320});
+      GENERATE(Shipped{"base/base.efm", 7'700'000, 992768, 2851712, 1371456, 1079808, 8524864, 7255104},
+               Shipped{"small/small.efm", 6'600'000, 992768, 2830400, 263040, 1079808, 7395136, 6125376});
   INFO(shipped.file);
   const test::ModelMemory model(test::file_bytes(test::source_dir() + "/models/" + shipped.file));
   Config config = davis();
@@ -77,7 +77,7 @@ TEST_CASE("the arenas of the shipped models are what they are, within their boun
     INFO(isa_name(isa));
     CHECK(bytes.all - bytes.rings <= shipped.most);
   }
-  config.isa_mask = 0;  // each body packs its weights otherwise
+  config.isa_mask = 0;  // each body packs its weights otherwise, and all but the scalar vote wants scratch
   const ArenaBytes bytes = arena_of(config);
   CHECK(bytes.window == shipped.window);
   CHECK(bytes.backend == shipped.backend);
@@ -86,6 +86,39 @@ TEST_CASE("the arenas of the shipped models are what they are, within their boun
   if (sizeof(void*) == 8) {
     CHECK(bytes.all == shipped.all);
     CHECK(bytes.all - bytes.rings == shipped.without_rings);
+  }
+}
+
+TEST_CASE("threads, poses and larger sensors take what they take") {
+  const test::ModelMemory model(test::file_bytes(test::source_dir() + "/models/small/small.efm"));
+  Config config = davis();
+  config.backend = Backend::kNetwork;
+  config.model = model.bytes();
+  config.isa_mask = 0;
+  const ArenaBytes plain = arena_of(config);
+  SECTION("a thread its rows and cells, no planes and no lines of its own") {
+    config.threads = 4;
+    CHECK(arena_of(config).backend == 2914688);
+    CHECK(arena_of(config).warp == plain.warp);
+  }
+  SECTION("poses a history of their own, in the place of the filter's") {
+    config.motion.source = MotionSource::kPoses;
+    CHECK(arena_of(config).all == plain.all);
+  }
+  SECTION("1280x720 seen through the same grid: more rays, and shorter slices of time") {
+    config.grid = config.camera.intrinsics;
+    config.camera.intrinsics = {1280, 720, 900, 900, 639.5, 359.5};
+    const ArenaBytes wide = arena_of(config);
+    CHECK(wide.warp == 8 * 1280 * 720);
+    CHECK(wide.window == 4 * 80'000 * 3 + 65'536 * 4);
+    CHECK(wide.backend == plain.backend);
+  }
+  SECTION("1280x720 as the grid itself: few planes at once, and all lines") {
+    config.camera.intrinsics = {1280, 720, 900, 900, 639.5, 359.5};
+    const ArenaBytes large = arena_of(config);
+    CHECK(large.backend == 26561472);
+    config.threads = 4;
+    CHECK(arena_of(config).backend == 29575168);
   }
 }
 

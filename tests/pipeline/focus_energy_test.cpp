@@ -92,7 +92,8 @@ TEST_CASE("the support is two boxes, zero outside, and the largest sums fit") {
     std::vector<std::uint32_t> out(2 * padded);
     for (const bool twice : {false, true}) {
       for (int y = 0; y < grid.height; ++y) {
-        support_row(maps.data(), twice ? maps.data() : nullptr, 2, grid, side, y, line, padded, out.data());
+        support_row(maps.data(), twice ? maps.data() : nullptr, 2, grid.size(), grid, side, y, line, padded,
+                    out.data());
         for (std::size_t x = 0; x < width; ++x) {
           const std::size_t at = static_cast<std::size_t>(y) * width + x;
           REQUIRE(out[x] == (twice ? 2 : 1) * naive[at]);

@@ -32,7 +32,7 @@ double brute_force_rms(const Intrinsics& g, const double c[3], double rho) {
 
 std::unique_ptr<MotionTrack> constant_motion(double vx, double vy, double vz, double yaw,
                                              std::int64_t length_us) {
-  CameraMotion motion;
+  MotionSample motion;
   motion.velocity_m_s[0] = vx;
   motion.velocity_m_s[1] = vy;
   motion.velocity_m_s[2] = vz;
@@ -77,7 +77,7 @@ TEST_CASE("the parallax ladder spans its pixels over the window that is left") {
     CHECK(ladder.begin_us > 800'000);
     CHECK(ladder.begin_us < 1'000'000);
     MotionTrack cut;
-    CameraMotion motion;
+    MotionSample motion;
     motion.velocity_m_s[0] = 2;
     motion.velocity_m_s[2] = 12;
     integrate_track({&motion, 1}, ladder.begin_us, 1'000'000, cut);
@@ -105,7 +105,7 @@ TEST_CASE("the metric ladder ends at z_near and keeps the whole window") {
 }
 
 TEST_CASE("a camera that shakes and comes back still has the parallax in between") {
-  CameraMotion motion[41];
+  MotionSample motion[41];
   for (int i = 0; i < 41; ++i) {
     motion[i].t_us = 800'000 + i * 5000;
     motion[i].velocity_m_s[0] = 0.8 * std::sin(2 * 3.14159265358979 * i / 40.0);

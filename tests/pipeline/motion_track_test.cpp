@@ -42,11 +42,11 @@ Real length(V a) {
 }
 
 /// (T, omega) at t, straight from the definition of the samples.
-void twist_at(const std::vector<CameraMotion>& samples, Real t_us, V& velocity, V& rate) {
+void twist_at(const std::vector<MotionSample>& samples, Real t_us, V& velocity, V& rate) {
   std::size_t i = 0;
   while (i + 2 < samples.size() && static_cast<Real>(samples[i + 1].t_us) <= t_us) ++i;
-  const CameraMotion& a = samples[i];
-  const CameraMotion& b = samples[i + 1];
+  const MotionSample& a = samples[i];
+  const MotionSample& b = samples[i + 1];
   const Real s = (t_us - static_cast<Real>(a.t_us)) / static_cast<Real>(b.t_us - a.t_us);
   const auto mix = [s](const double* p, const double* q) {
     return V{p[0] + (q[0] - p[0]) * s, p[1] + (q[1] - p[1]) * s, p[2] + (q[2] - p[2]) * s};
@@ -57,7 +57,7 @@ void twist_at(const std::vector<CameraMotion>& samples, Real t_us, V& velocity, 
 
 /// Carries a static point from t to the end by dP/dt = -omega x P - T: the definition, by midpoint steps of
 /// ~0.5 us.
-V carry(const std::vector<CameraMotion>& samples, V p, Real from_us, Real to_us) {
+V carry(const std::vector<MotionSample>& samples, V p, Real from_us, Real to_us) {
   const int n = static_cast<int>((to_us - from_us) * 2) + 1;
   const Real h_us = (to_us - from_us) / n;
   for (int i = 0; i < n; ++i) {
@@ -71,12 +71,12 @@ V carry(const std::vector<CameraMotion>& samples, V p, Real from_us, Real to_us)
   return p;
 }
 
-std::vector<CameraMotion> weave(std::int64_t begin_us, std::int64_t end_us, int n, double yaw_rad) {
-  std::vector<CameraMotion> samples;
+std::vector<MotionSample> weave(std::int64_t begin_us, std::int64_t end_us, int n, double yaw_rad) {
+  std::vector<MotionSample> samples;
   const double duration_s = static_cast<double>(end_us - begin_us) * 1e-6;
   for (int i = 0; i < n; ++i) {
     const double s = static_cast<double>(i) / (n - 1);
-    CameraMotion m;
+    MotionSample m;
     m.t_us = begin_us + (end_us - begin_us) * i / (n - 1);
     m.velocity_m_s[0] = 0.8 * std::sin(5 * s);
     m.velocity_m_s[1] = -0.3 + 0.4 * s;
@@ -127,7 +127,7 @@ TEST_CASE("linear interpolation between knots errs less than 0.001 px") {
   const double turn_rad = 0.3;
   const double duration_s = 0.2;
   const double speed_m_s = 10;
-  CameraMotion motion;
+  MotionSample motion;
   motion.velocity_m_s[2] = speed_m_s;
   motion.angular_rate_rad_s[1] = turn_rad / duration_s;
   auto track = std::make_unique<MotionTrack>();

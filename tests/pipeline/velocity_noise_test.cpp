@@ -18,8 +18,8 @@ constexpr int kSamples = 20;
 using Six = std::array<double, 6>;
 
 /// Speeds 2 and 6 m/s by turns, rates 0.3 and 0.1 rad/s: means 4 m/s and 0.2 rad/s, in any direction.
-std::vector<CameraMotion> window() {
-  std::vector<CameraMotion> samples(kSamples);
+std::vector<MotionSample> window() {
+  std::vector<MotionSample> samples(kSamples);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples[i].t_us = static_cast<std::int64_t>(i) * 10'000;
     samples[i].velocity_m_s[i % 3] = i % 2 == 0 ? 2 : -6;
@@ -30,8 +30,8 @@ std::vector<CameraMotion> window() {
 
 /// The errors of one window: what was added to each sample's six components.
 std::vector<Six> errors_of(const VelocityNoise& noise, std::int64_t tick_us) {
-  const std::vector<CameraMotion> clean = window();
-  std::vector<CameraMotion> noisy = clean;
+  const std::vector<MotionSample> clean = window();
+  std::vector<MotionSample> noisy = clean;
   add_velocity_noise(noise, tick_us, noisy);
   std::vector<Six> errors;
   for (std::size_t i = 0; i < clean.size(); ++i) {
@@ -117,9 +117,9 @@ TEST_CASE("noise is the same for the same seed and tick, and differs otherwise")
 }
 
 TEST_CASE("a robot that stands still gets no noise") {
-  std::vector<CameraMotion> still(kSamples);
+  std::vector<MotionSample> still(kSamples);
   add_velocity_noise({100, 1, NoiseKind::kVariance, NoiseDraw::kSample}, 5, still);
-  for (const CameraMotion& sample : still) {
+  for (const MotionSample& sample : still) {
     for (int axis = 0; axis < 3; ++axis) {
       CHECK(sample.velocity_m_s[axis] == 0);
       CHECK(sample.angular_rate_rad_s[axis] == 0);

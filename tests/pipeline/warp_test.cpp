@@ -51,8 +51,8 @@ Vec carry(const Motion& m, Vec p, Real seconds) {
   return p;
 }
 
-CameraMotion sample(const Motion& m) {
-  CameraMotion s;
+MotionSample sample(const Motion& m) {
+  MotionSample s;
   const Vec v[2] = {m.velocity, m.rate};
   for (int k = 0; k < 2; ++k) {
     double* out = k == 0 ? s.velocity_m_s : s.angular_rate_rad_s;
@@ -89,7 +89,7 @@ TEST_CASE("landing points agree with a re-projection to 0.1 px at 24 px of paral
   Real worst_px = 0;
   int compared = 0;
   for (const Motion& motion : motions) {
-    const CameraMotion constant = sample(motion);
+    const MotionSample constant = sample(motion);
     MotionTrack track;
     integrate_track({&constant, 1}, 0, 200'000, track);
     LadderConfig config;
@@ -128,7 +128,7 @@ TEST_CASE("landing points agree with a re-projection to 0.1 px at 24 px of paral
 
 TEST_CASE("for short windows the exact form and the first-order motion field agree to first order") {
   const Motion motion{{1.0L, -0.4L, 5.0L}, {0.3L, 0.8L, -0.5L}};
-  const CameraMotion constant = sample(motion);
+  const MotionSample constant = sample(motion);
   const double u = 201;
   const double v = 33;
   const double depth = 6;
@@ -228,7 +228,7 @@ struct Stack {
 Stack run(const Config& config, const std::vector<Event>& events, const MotionTrack& track,
           const HypothesisLadder& ladder, int parts) {
   test::RoomyArena arena;
-  EventWindow window(config.window, *arena);
+  EventWindow window(config.window, config.camera.intrinsics, *arena);
   Warp warp(config, select_kernels(isa_bit(Isa::kScalar)), *arena);
   warp.prepare(config.camera);
   for (const Event& e : events) window.add(e);
@@ -249,7 +249,7 @@ Stack run(const Config& config, const std::vector<Event>& events, const MotionTr
 TEST_CASE("the stack of warped events is that of a plain loop, and the same for any number of parts") {
   const Config config = small_config();
   const Motion motion{{0.4L, 0.1L, -6.0L}, {0.1L, 0.6L, 0.2L}};
-  const CameraMotion constant = sample(motion);
+  const MotionSample constant = sample(motion);
   MotionTrack track;
   const std::int64_t begin_us = (std::int64_t{1} << 32) - 30'000;  // across the wrap of stored times
   const std::int64_t end_us = begin_us + 90'001;
@@ -330,7 +330,7 @@ TEST_CASE("the stack of warped events is that of a plain loop, and the same for 
 
 TEST_CASE("an empty selection leaves an empty stack") {
   const Config config = small_config();
-  const CameraMotion still;
+  const MotionSample still;
   MotionTrack track;
   integrate_track({&still, 1}, 0, 1000, track);
   const Stack none = run(config, {}, track, {}, 2);

@@ -28,12 +28,12 @@ class FlatStack {
     config.ladder.hypotheses = hypotheses;
     config.window.max_events = std::max(100, static_cast<int>(events.size()));
     config.window.min_events = 0;
-    CameraMotion slide;
+    MotionSample slide;
     slide.velocity_m_s[0] = 1;
     integrate_track({&slide, 1}, 0, kLength_us, track_);
     ladder_.count = hypotheses;
     ladder_.step_per_m = span_px / (hypotheses - 1) / (100 * 0.1);  // f * distance
-    window_ = std::make_unique<EventWindow>(config.window, *arena_);
+    window_ = std::make_unique<EventWindow>(config.window, config.camera.intrinsics, *arena_);
     warp = std::make_unique<Warp>(config, select_kernels(isa_bit(Isa::kScalar)), *arena_);
     warp->prepare(config.camera);
     for (const Event& e : events) window_->add(e);

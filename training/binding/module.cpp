@@ -42,7 +42,7 @@ py::dict stack_window(const Array<std::int32_t>& t_us, const Array<std::uint16_t
                       const std::optional<FocusMaps>& maps) {
   const py::ssize_t n = t_us.size();
   if (x.size() != n || y.size() != n) refuse("events want as many x and y as times.");
-  const std::vector<CameraMotion> motion = motion_of(motion_t_us, velocity_m_s, rate_rad_s);
+  const std::vector<MotionSample> motion = motion_of(motion_t_us, velocity_m_s, rate_rad_s);
   Config config = camera_config(camera, distortion, coefficients);
   config.ladder = ladder_of(ladder);
   config.window.max_events = max_events;
@@ -172,13 +172,13 @@ class Recording {
 
   // t_us before the tick, velocity m/s [n, 3] and rate rad/s [n, 3] of the camera
   [[nodiscard]] py::tuple motion(std::int64_t tick_us) const {
-    const std::vector<CameraMotion> motion = windows_.motion();
+    const std::vector<MotionSample> motion = windows_.motion();
     const auto n = static_cast<py::ssize_t>(motion.size());
     py::array_t<std::int32_t> t(n);
     py::array_t<float> velocity({n, py::ssize_t{3}});
     py::array_t<float> rate({n, py::ssize_t{3}});
     for (py::ssize_t i = 0; i < n; ++i) {
-      const CameraMotion& m = motion[static_cast<std::size_t>(i)];
+      const MotionSample& m = motion[static_cast<std::size_t>(i)];
       t.mutable_at(i) = static_cast<std::int32_t>(m.t_us - tick_us);
       for (py::ssize_t axis = 0; axis < 3; ++axis) {
         velocity.mutable_at(i, axis) = static_cast<float>(m.velocity_m_s[axis]);

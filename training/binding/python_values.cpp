@@ -65,7 +65,7 @@ py::tuple arrays_of_input(const NetworkInput& input, std::int32_t hypotheses) {
                         array(input.context).reshape({channels, h, w}));
 }
 
-std::vector<CameraMotion> motion_of(const Array<std::int32_t>& t_us, const Array<float>& velocity_m_s,
+std::vector<MotionSample> motion_of(const Array<std::int32_t>& t_us, const Array<float>& velocity_m_s,
                                     const Array<float>& rate_rad_s) {
   const py::ssize_t n = t_us.size();
   const auto three_each = [n](const Array<float>& a) {
@@ -73,9 +73,9 @@ std::vector<CameraMotion> motion_of(const Array<std::int32_t>& t_us, const Array
   };
   if (n < 1 || !three_each(velocity_m_s) || !three_each(rate_rad_s))
     refuse("motion wants times [n] and velocities and rates [n, 3], n at least 1.");
-  std::vector<CameraMotion> motion(static_cast<std::size_t>(n));
+  std::vector<MotionSample> motion(static_cast<std::size_t>(n));
   for (py::ssize_t i = 0; i < n; ++i) {
-    CameraMotion& m = motion[static_cast<std::size_t>(i)];
+    MotionSample& m = motion[static_cast<std::size_t>(i)];
     m.t_us = kEnd_us + t_us.data()[i];
     if (i > 0 && m.t_us <= motion[static_cast<std::size_t>(i - 1)].t_us) refuse("motion times must rise.");
     for (int k = 0; k < 3; ++k) {

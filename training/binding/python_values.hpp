@@ -39,7 +39,7 @@ FocusInputConfig focus_config_of(const FocusMaps& maps);
 /// (focus u8 [D, maps, ceil/4, ceil/4], context u8 [channels, ceil/4, ceil/4])
 py::tuple arrays_of_input(const NetworkInput& input, std::int32_t hypotheses);
 /// t_us [n], rising, and velocities and rates [n, 3]; times become those of a window that ends at kEnd_us.
-std::vector<CameraMotion> motion_of(const Array<std::int32_t>& t_us, const Array<float>& velocity_m_s,
+std::vector<MotionSample> motion_of(const Array<std::int32_t>& t_us, const Array<float>& velocity_m_s,
                                     const Array<float>& rate_rad_s);
 
 /// The wanted ones of: counts u8 [D, height, width]; half u8 [D, ceil/2, ceil/2]; cells u16 [4, D, ceil/4,

@@ -102,8 +102,8 @@ bool RecordingWindows::tick(std::int64_t tick_us) {
                     });
 }
 
-std::vector<CameraMotion> RecordingWindows::motion() const {
-  std::vector<CameraMotion> samples(EgoMotion::kMaxSamples);
+std::vector<MotionSample> RecordingWindows::motion() const {
+  std::vector<MotionSample> samples(EgoMotion::kMaxSamples);
   const std::int64_t longest_us = tick_us_ - folder_.camera.config.window.max_age_us;
   const std::int64_t oldest_us = std::max(longest_us, ego_motion_->earliest_us());
   samples.resize(oldest_us < tick_us_

@@ -29,7 +29,7 @@ class RecordingWindows {
   [[nodiscard]] WindowStack& stack() noexcept { return stack_; }
   [[nodiscard]] const recording::Folder& folder() const noexcept { return folder_; }
   /// The motion of the last tick's longest window, as EgoMotion::samples() gives it.
-  [[nodiscard]] std::vector<CameraMotion> motion() const;
+  [[nodiscard]] std::vector<MotionSample> motion() const;
   /// Kept events of the last tick's longest window, in order, not decimated.
   [[nodiscard]] std::vector<Event> events() const;
 

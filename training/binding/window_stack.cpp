@@ -50,7 +50,7 @@ Config WindowStack::cropped(const Config& config, const Crop& crop) {
 std::size_t WindowStack::bytes_needed(const Config& config, const Config& crop_config) {
   Arena counter;
   const EventFilter filter(config, counter);
-  const EventWindow window(config.window, counter);
+  const EventWindow window(config.window, config.camera.intrinsics, counter);
   const Warp warp(crop_config, kernels(), counter);
   return counter.used_bytes();
 }
@@ -62,7 +62,7 @@ WindowStack::WindowStack(const Config& config, const Crop& crop, std::span<const
       memory_(bytes_needed(config_, crop_config_)),
       arena_(memory_.span()),
       filter_(config_, arena_),
-      window_(config_.window, arena_),
+      window_(config_.window, config_.camera.intrinsics, arena_),
       warp_(crop_config_, kernels(), arena_) {
   if (rays.empty()) {
     warp_.prepare(config_.camera);

@@ -83,7 +83,7 @@ TEST_CASE("a window from 20 samples of motion, as training has it, gives the Eng
   while (replay.tick(frame)) {
     CAPTURE(frame.t_us);
     if (!windows.tick(frame.t_us)) continue;
-    const std::vector<CameraMotion> motion = windows.motion();
+    const std::vector<MotionSample> motion = windows.motion();
     const std::int64_t oldest_us = frame.t_us - replay.config().window.max_age_us;
     if (motion.front().t_us != oldest_us) continue;
     WindowStack stack(replay.config(), {});
@@ -104,7 +104,7 @@ TEST_CASE("the stack of a crop is the crop of the stack, and a kept ray table ch
   constexpr std::int64_t kTick_us = 700'000;
   REQUIRE(windows.tick(kTick_us));
   const WindowStack& whole = windows.stack();
-  const std::vector<CameraMotion> motion = windows.motion();
+  const std::vector<MotionSample> motion = windows.motion();
   const Config& config = whole.config();
   std::vector<Ray> rays(static_cast<std::size_t>(config.camera.intrinsics.width_px) *
                         static_cast<std::size_t>(config.camera.intrinsics.height_px));
