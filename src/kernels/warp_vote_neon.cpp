@@ -1,6 +1,7 @@
-// A vote at a time, where other instruction sets take runs of them (warp_vote_runs.hpp): at about a pixel from one
-// hypothesis to the next a run is hardly longer than a vote, and finding it costs more instructions than it saves.
-// Where events land is found for a few of them first, in vectors; a byte each, then, is a load, an addition and a store.
+// A vote at a time, where other instruction sets take runs of them (warp_vote_runs.hpp): at about a pixel
+// from one hypothesis to the next a run is hardly longer than a vote, and finding it costs more instructions
+// than it saves. Where events land is found for a few of them first, in vectors; a byte each, then, is a
+// load, an addition and a store.
 #include <arm_neon.h>
 
 #include <cstddef>

@@ -18,8 +18,8 @@ inline std::uint32_t multiply_high_u32(std::uint32_t a, std::uint32_t b) noexcep
 
 /// floor(sqrt(x)). A loop over it has no branches.
 inline std::uint32_t floor_square_root_u32(std::uint32_t x) noexcept {
-  // IEEE's root of x as binary32 is within 0.01 of x's: at most one beside it when cut off, and 65536 where the
-  // conversion rounds up to 2^32. Exact from here on, whatever it was.
+  // IEEE's root of x as binary32 is within 0.01 of x's: at most one beside it when cut off, and 65536 where
+  // the conversion rounds up to 2^32. Exact from here on, whatever it was.
   const auto near = static_cast<std::int32_t>(__builtin_sqrtf(static_cast<float>(x)));
   std::uint32_t root = near < 65535 ? static_cast<std::uint32_t>(near) : 65535u;
   root -= root * root > x ? 1u : 0u;

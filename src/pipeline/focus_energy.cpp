@@ -10,6 +10,18 @@ std::uint16_t saturated(std::uint32_t sum) noexcept {
   return static_cast<std::uint16_t>(sum < 65535 ? sum : 65535);
 }
 
+// step.operator()<n>(x) for n values from x on: whole blocks where the width has one, and the last of them
+// overlaps the one before it.
+template <std::int32_t kBlock, typename Step>
+void in_blocks(std::int32_t width, const Step& step) noexcept {
+  if (width < kBlock) {
+    for (std::int32_t x = 0; x < width; ++x) step.template operator()<1>(x);
+    return;
+  }
+  for (std::int32_t x = 0; x < width; x += kBlock)
+    step.template operator()<kBlock>(x < width - kBlock ? x : width - kBlock);
+}
+
 // Sums over rows of a strip, a column each.
 template <typename Sum>
 struct ColumnSums {
@@ -116,19 +128,6 @@ struct RowWeights {
   std::uint16_t weight[kRows];
 };
 
-// step.operator()<n>(x) for n values from x on: whole blocks where the width has one, and the last of them
-// overlaps the one before it.
-template <typename Step>
-void in_blocks(std::int32_t width, const Step& step) noexcept {
-  constexpr std::int32_t kBlock = 16;
-  if (width < kBlock) {
-    for (std::int32_t x = 0; x < width; ++x) step.template operator()<1>(x);
-    return;
-  }
-  for (std::int32_t x = 0; x < width; x += kBlock)
-    step.template operator()<kBlock>(x < width - kBlock ? x : width - kBlock);
-}
-
 template <std::int32_t kReach>
 void weigh_rows(const std::uint16_t* plane, const RowWeights<kReach>& rows, std::int32_t width,
                 std::uint32_t* __restrict out) noexcept {
@@ -137,7 +136,7 @@ void weigh_rows(const std::uint16_t* plane, const RowWeights<kReach>& rows, std:
     for (std::int32_t x = 0; x < width; ++x) out[x] = row[x];
     return;
   }
-  in_blocks(width, [&]<std::int32_t kCells>(std::int32_t x) noexcept {
+  in_blocks<16>(width, [&]<std::int32_t kCells>(std::int32_t x) noexcept {
     const std::uint16_t* row[rows.kRows];
     for (std::int32_t v = 0; v < rows.kRows; ++v)
       row[v] = reinterpret_cast<const std::uint16_t*>(reinterpret_cast<const std::byte*>(plane + x) +
@@ -163,8 +162,8 @@ void box_line(const std::uint32_t* in, std::int32_t padded, std::uint32_t* __res
 
 template <std::int32_t kReach>
 void support(const std::uint16_t* first, const std::uint16_t* second, std::span<const bool> adds_second,
-             std::int32_t hypotheses, const EnergyGrid& grid, std::int32_t y, std::span<std::uint32_t> line, std::int32_t padded,
-             std::uint32_t* out) noexcept {
+             std::int32_t hypotheses, const EnergyGrid& grid, std::int32_t y, std::span<std::uint32_t> line,
+             std::int32_t padded, std::uint32_t* out) noexcept {
   std::uint32_t* const columns = line.data() + kMostReach;
   std::uint32_t* const boxed = columns + padded + 2 * kMostReach;
   for (std::uint32_t& v : line) v = 0;
@@ -243,8 +242,8 @@ bool gather(std::span<std::uint16_t> first, std::span<std::uint16_t> second) noe
 }
 
 void support_row(const std::uint16_t* first, const std::uint16_t* second, std::span<const bool> adds_second,
-                 std::int32_t hypotheses, const EnergyGrid& grid, std::int32_t side, std::int32_t y, std::span<std::uint32_t> line,
-                 std::int32_t padded, std::uint32_t* out) noexcept {
+                 std::int32_t hypotheses, const EnergyGrid& grid, std::int32_t side, std::int32_t y,
+                 std::span<std::uint32_t> line, std::int32_t padded, std::uint32_t* out) noexcept {
   switch (side) {
     case 1:
       return support<0>(first, second, adds_second, hypotheses, grid, y, line, padded, out);

@@ -31,25 +31,21 @@ std::uint8_t* bytes_of(const SharpnessRow& row) noexcept {
   return reinterpret_cast<std::uint8_t*>(row.low.data());
 }
 
-// R of so many hypotheses, one after the other, and their sum, smallest and largest.
-template <std::size_t kHypotheses>
+// R of one hypothesis, and its sum, smallest and largest.
 void ratios(const SupportScale& scale, const std::uint32_t* reciprocal, std::uint32_t* __restrict ratio,
             const SharpnessRow& row) noexcept {
-  const std::size_t padded = row.mean.size();
-  const std::size_t width = whole_groups(padded);
+  const std::size_t width = whole_groups(row.mean.size());
   const std::uint32_t shift = scale.energy_shift;
   std::uint32_t* __restrict const sum = row.mean.data();
   std::int32_t* __restrict const low = row.low.data();
   std::int32_t* __restrict const high = row.high.data();
   for (std::size_t x = 0; x < width; ++x) {
-    for (std::size_t i = x; i < x + kHypotheses * padded; i += padded) {
-      const auto high_half = static_cast<std::int32_t>(multiply_high_u32(ratio[i] << shift, reciprocal[i]));
-      const std::int32_t value = high_half < kMostRatio ? high_half : kMostRatio;
-      ratio[i] = static_cast<std::uint32_t>(value);
-      sum[x] += static_cast<std::uint32_t>(value);
-      low[x] = value < low[x] ? value : low[x];
-      high[x] = value > high[x] ? value : high[x];
-    }
+    const auto high_half = static_cast<std::int32_t>(multiply_high_u32(ratio[x] << shift, reciprocal[x]));
+    const std::int32_t value = high_half < kMostRatio ? high_half : kMostRatio;
+    ratio[x] = static_cast<std::uint32_t>(value);
+    sum[x] += static_cast<std::uint32_t>(value);
+    low[x] = value < low[x] ? value : low[x];
+    high[x] = value > high[x] ? value : high[x];
   }
 }
 
@@ -198,10 +194,7 @@ void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std
     row.low[x] = kMostRatio;
     row.high[x] = 0;
   }
-  std::size_t first = 0;
-  for (; first + 2 <= count; first += 2)
-    ratios<2>(scale, &reciprocal[first * padded], &ratio[first * padded], row);
-  if (first < count) ratios<1>(scale, &reciprocal[first * padded], &ratio[first * padded], row);
+  for (std::size_t k = 0; k < count; ++k) ratios(scale, &reciprocal[k * padded], &ratio[k * padded], row);
   centre(static_cast<std::uint32_t>(hypotheses), row);
   for (std::size_t k = 0; k < count; ++k) deviations(&ratio[k * padded], row, &deviation[k * padded]);
   divisors(static_cast<std::uint32_t>(hypotheses), floor_noise_q20, row);

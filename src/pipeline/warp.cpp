@@ -16,10 +16,18 @@ std::int32_t round_q16(double px) noexcept {
   return static_cast<std::int32_t>(floor_of(px * kQ16 + 0.5));
 }
 
-MotionKnot interpolate(const MotionKnot& a, const MotionKnot& b, double share) noexcept {
+MotionKnot difference(const MotionKnot& b, const MotionKnot& a) noexcept {
   MotionKnot out;
-  for (int i = 0; i < 9; ++i) out.rotation[i] = a.rotation[i] + share * (b.rotation[i] - a.rotation[i]);
-  for (int i = 0; i < 3; ++i) out.centre_m[i] = a.centre_m[i] + share * (b.centre_m[i] - a.centre_m[i]);
+  for (int i = 0; i < 9; ++i) out.rotation[i] = b.rotation[i] - a.rotation[i];
+  for (int i = 0; i < 3; ++i) out.centre_m[i] = b.centre_m[i] - a.centre_m[i];
+  return out;
+}
+
+// a + share * (b - a)
+MotionKnot between(const MotionKnot& a, const MotionKnot& to_b, double share) noexcept {
+  MotionKnot out;
+  for (int i = 0; i < 9; ++i) out.rotation[i] = a.rotation[i] + share * to_b.rotation[i];
+  for (int i = 0; i < 3; ++i) out.centre_m[i] = a.centre_m[i] + share * to_b.centre_m[i];
   return out;
 }
 
@@ -116,6 +124,8 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
   const double knots_per_us =
       length_us > 0 ? (MotionTrack::kKnots - 1) / static_cast<double>(length_us) : 0.0;
   std::uint64_t behind = 0;
+  int last_knot = -1;  // events come in order of time: to the next knot is as far for many of them
+  MotionKnot to_next;
   for (std::uint32_t i = first; i < last; ++i) {
     const WindowEvent& event = window.at(selection, i);
     const std::int64_t since_us =
@@ -123,7 +133,11 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
     const double at = static_cast<double>(since_us) * knots_per_us;
     int knot = static_cast<int>(at);
     if (knot > MotionTrack::kKnots - 2) knot = MotionTrack::kKnots - 2;
-    const MotionKnot motion = interpolate(track.knots[knot], track.knots[knot + 1], at - knot);
+    if (knot != last_knot) {
+      to_next = difference(track.knots[knot + 1], track.knots[knot]);
+      last_knot = knot;
+    }
+    const MotionKnot motion = between(track.knots[knot], to_next, at - knot);
     const Ray& ray =
         rays_[static_cast<std::size_t>(event.y()) * static_cast<std::size_t>(sensor_width_) + event.x()];
     const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, ladder.count);

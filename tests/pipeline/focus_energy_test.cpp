@@ -80,7 +80,8 @@ TEST_CASE("cell sums with a single large count are those of unsigned integers") 
       const auto cell = static_cast<std::size_t>(y / 4 * 10 + x / 4);
       for (std::size_t i = 0; i < 30; ++i) {
         REQUIRE(maps.sums.counts[i] == 16 * 127 + (i == cell ? 128 : 0));
-        REQUIRE(maps.sums.squares[i] == std::min(65535, 16 * 127 * 126 + (i == cell ? 255 * 254 - 127 * 126 : 0)));
+        REQUIRE(maps.sums.squares[i] ==
+                std::min(65535, 16 * 127 * 126 + (i == cell ? 255 * 254 - 127 * 126 : 0)));
       }
       int gradients = 0;
       for (const std::uint16_t sum : maps.sums.gradient_y) gradients += sum;
