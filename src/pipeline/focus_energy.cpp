@@ -137,13 +137,14 @@ void weigh_rows(const std::uint16_t* plane, const RowWeights<kReach>& rows, std:
     return;
   }
   in_blocks<16>(width, [&]<std::int32_t kCells>(std::int32_t x) noexcept {
-    const std::uint16_t* row[rows.kRows];
-    for (std::int32_t v = 0; v < rows.kRows; ++v)
+    constexpr std::int32_t kRows = RowWeights<kReach>::kRows;
+    const std::uint16_t* row[kRows];
+    for (std::int32_t v = 0; v < kRows; ++v)
       row[v] = reinterpret_cast<const std::uint16_t*>(reinterpret_cast<const std::byte*>(plane + x) +
                                                       rows.at_bytes[v]);
     for (std::int32_t i = 0; i < kCells; ++i) {
       std::uint32_t sum = 0;
-      for (std::int32_t v = 0; v < rows.kRows; ++v) sum += std::uint32_t{row[v][i]} * rows.weight[v];
+      for (std::int32_t v = 0; v < kRows; ++v) sum += std::uint32_t{row[v][i]} * rows.weight[v];
       out[x + i] = sum;
     }
   });
