@@ -46,10 +46,12 @@ inline int32x4_t cells_at(const Frame& frame, int32x4_t u, int32x4_t v, uint32x4
 
 inline void add_votes(const std::int32_t* cells, std::int32_t count, std::uint8_t* plane) noexcept {
   for (std::int32_t j = 0; j < count; j += 4) {
-    for (std::int32_t i = j; i < j + 4; ++i) {
-      if (cells[i] < 0) continue;
-      const std::uint32_t sum = plane[cells[i]] + 1u;
-      plane[cells[i]] = static_cast<std::uint8_t>(sum - (sum >> 8));  // saturated: 256 gives 255
+    // All four are loaded before the first store, which a compiler may take for one to them.
+    const std::int32_t four[] = {cells[j], cells[j + 1], cells[j + 2], cells[j + 3]};
+    for (const std::int32_t at : four) {
+      if (at < 0) continue;
+      const std::uint32_t sum = plane[at] + 1u;
+      plane[at] = static_cast<std::uint8_t>(sum - (sum >> 8));  // saturated: 256 gives 255
     }
   }
 }

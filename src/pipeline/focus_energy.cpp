@@ -124,7 +124,7 @@ struct RowWeights {
       weight[i] = static_cast<std::uint16_t>(there ? met : 0);
     }
   }
-  std::ptrdiff_t at_bytes[kRows];  // of the row's first cell
+  std::ptrdiff_t at_bytes[kRows];  // of the row's first cell; in bytes, no address takes a shift
   std::uint16_t weight[kRows];
 };
 

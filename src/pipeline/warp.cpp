@@ -43,10 +43,9 @@ LandingLines take_lines(std::int32_t max_events, Arena& arena) noexcept {
   return lines;
 }
 
-}  // namespace
-
-LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
-                         std::int32_t hypotheses) noexcept {
+[[gnu::always_inline]] inline LandingLine line_of(const Ray& ray, const MotionKnot& knot,
+                                                  const Intrinsics& grid, double step_per_m,
+                                                  std::int32_t hypotheses) noexcept {
   const double* r = knot.rotation;
   const double x = static_cast<double>(ray.x);
   const double y = static_cast<double>(ray.y);
@@ -71,6 +70,13 @@ LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsic
     k_end = k_end < 1 ? k_end : 1;
   }
   return {round_q16(u), round_q16(v), round_q16(du), round_q16(dv), k_end};
+}
+
+}  // namespace
+
+LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
+                         std::int32_t hypotheses) noexcept {
+  return line_of(ray, knot, grid, step_per_m, hypotheses);
 }
 
 std::size_t Warp::lines_bytes(std::int32_t max_events) noexcept {
@@ -140,7 +146,7 @@ void Warp::project(const EventWindow& window, const EventWindow::Selection& sele
     const MotionKnot motion = between(track.knots[knot], to_next, at - knot);
     const Ray& ray =
         rays_[static_cast<std::size_t>(event.y()) * static_cast<std::size_t>(sensor_width_) + event.x()];
-    const LandingLine line = landing_line(ray, motion, grid_, ladder.step_per_m, ladder.count);
+    const LandingLine line = line_of(ray, motion, grid_, ladder.step_per_m, ladder.count);
     lines_.u_q16[i] = line.u_q16;
     lines_.v_q16[i] = line.v_q16;
     lines_.du_q16[i] = line.du_q16;
