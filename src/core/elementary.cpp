@@ -48,11 +48,6 @@ Reduced reduce(double x) noexcept {
 
 }  // namespace
 
-double floor_of(double x) noexcept {
-  const double truncated = static_cast<double>(static_cast<std::int64_t>(x));
-  return truncated > x ? truncated - 1.0 : truncated;
-}
-
 double sine(double x) noexcept {
   const Reduced r = reduce(x);
   const double v = (r.quadrant & 1) ? cosine_core(r.x) : sine_core(r.x);

@@ -26,7 +26,10 @@ double arc_tangent2(double y, double x) noexcept;
 double exponential(double x) noexcept;
 
 /// Largest integer <= x, for |x| < 2^53.
-double floor_of(double x) noexcept;
+inline double floor_of(double x) noexcept {
+  const double truncated = static_cast<double>(static_cast<std::int64_t>(x));
+  return truncated > x ? truncated - 1.0 : truncated;
+}
 
 /// x without its fraction, for a Status: any double at all has an answer (NaN: 0; beyond +-10^18: that
 /// bound).

@@ -1,4 +1,4 @@
-// What the vector bodies of warp_vote share. An event moves by a fraction of a pixel from one hypothesis to
+// What the x86 bodies of warp_vote share. An event moves by a fraction of a pixel from one hypothesis to
 // the next, so neighbouring hypotheses mostly share a cell. They are taken four at a time into the scratch
 // grid, whose u32 cell holds their four counts side by side; the walk of an event through a group of four is
 // cut into runs (a cell, and the hypotheses that land on it), and a run costs one read-modify-write, whatever

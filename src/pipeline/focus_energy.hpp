@@ -34,14 +34,19 @@ struct CellSums {
 void sum_cells(std::span<const std::uint8_t> plane, std::int32_t width_px, std::int32_t height_px,
                std::span<std::uint32_t> scratch, const CellSums& out) noexcept;
 
-/// E_r of row `y` of maps [hypotheses][cells], each plane_stride after the one before; `second` is another
-/// map that is added, or nullptr. side: odd, 1..7 (1: a copy), so that 2 * 65535 * side^4 fits. out:
-/// [hypotheses][padded], where padded is grid.width or more and a multiple of 8; beyond the grid stands what
-/// its zeros give. line: 2 * (padded + 6) values of scratch. Thread: any. RT: yes, O(hypotheses * width *
-/// side).
-void support_row(const std::uint16_t* first, const std::uint16_t* second, std::int32_t hypotheses,
-                 std::size_t plane_stride, const EnergyGrid& grid, std::int32_t side, std::int32_t y,
-                 std::span<std::uint32_t> line, std::int32_t padded, std::uint32_t* out) noexcept;
+/// first + second, cell by cell: what fits 16 bits goes to `first`, what is beyond stays in `second`. Says
+/// whether anything is: hardly ever. Sizes are equal. Thread: any. RT: yes, O(cells).
+bool gather(std::span<std::uint16_t> first, std::span<std::uint16_t> second) noexcept;
+
+/// E_r of row `y` of maps [hypotheses][cells], each plane_stride after the one before; `second`, unless
+/// nullptr, are other maps, each of which is added where adds_second says so. side: odd, 1..7 (1: a copy), so
+/// that 2 * 65535 * side^4 fits. out: [hypotheses][padded], where padded is grid.width or more and a multiple
+/// of 8; beyond the grid stands what its zeros give. line: 2 * (padded + 6) values of scratch. Thread: any.
+/// RT: yes, O(hypotheses * width * side).
+void support_row(const std::uint16_t* first, const std::uint16_t* second, std::span<const bool> adds_second,
+                 std::int32_t hypotheses, std::size_t plane_stride, const EnergyGrid& grid, std::int32_t side,
+                 std::int32_t y, std::span<std::uint32_t> line, std::int32_t padded,
+                 std::uint32_t* out) noexcept;
 
 /// Counts over cells of 2x2 pixels, saturating at 255: what the refinement gathers. out: [ceil(height / 2)]
 /// [ceil(width / 2)]. Thread: any. RT: yes, O(pixels).

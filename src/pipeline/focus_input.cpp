@@ -99,6 +99,10 @@ FocusInput::FocusInput(const FocusInputConfig& config, const Intrinsics& grid, s
   const auto width = static_cast<std::size_t>(cells_.width);
   const std::size_t padded = padded_row(width);
   for (std::int32_t i = 0; i < 4; ++i) scale_[i] = support_scale(2 * i + 1, config.floor_events_milli);
+  for (std::int32_t m = 0; m < config.map_count; ++m) {
+    const FocusMapKind kind = config.maps[m].kind;
+    has_direction_ |= kind == FocusMapKind::kGradientX || kind == FocusMapKind::kGradientY;
+  }
   sums_ = memory.sums.array<std::uint16_t>(sums_bytes(grid, hypotheses) / sizeof(std::uint16_t));
   focus_ = memory.focus.array<std::uint8_t>(focus_bytes(config, grid, hypotheses));
   context_ = memory.context.array<std::uint8_t>(context_bytes(config, grid));
@@ -130,6 +134,7 @@ void FocusInput::begin(const HypothesisLadder& ladder, const double (&baseline_m
 void FocusInput::add_plane(std::int32_t k, std::span<const std::uint8_t> plane, int part) noexcept {
   sum_cells(plane, grid_.width_px, grid_.height_px, scratch_[part].strip,
             {sums(0, k), sums(1, k), sums(2, k), sums(3, k)});
+  adds_second_[static_cast<std::size_t>(k)] = has_direction_ || gather(sums(0, k), sums(1, k));
 }
 
 void FocusInput::finish(WorkerPool& pool) noexcept {
@@ -184,7 +189,7 @@ void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept
   const std::size_t at = static_cast<std::size_t>(y) * width;
   const std::span<std::uint32_t> counts = s.counts.first(static_cast<std::size_t>(used_) * padded);
   const std::span<std::uint32_t> ratio = s.ratio.first(counts.size());
-  support_row(sums(3, 0).data(), nullptr, used_, 4 * cells_.size(), cells_, side, y, s.line, stride,
+  support_row(sums(3, 0).data(), nullptr, {}, used_, 4 * cells_.size(), cells_, side, y, s.line, stride,
               counts.data());
   for (std::uint32_t& sum : s.count_sum) sum = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(used_); ++k)
@@ -200,8 +205,8 @@ void FocusInput::support(std::int32_t side, std::int32_t y, Scratch& s) noexcept
     const FocusMapKind kind = config_.maps[m].kind;
     const std::size_t first = kind == FocusMapKind::kSquares ? 2 : (kind == FocusMapKind::kGradientY ? 1 : 0);
     const std::uint16_t* const second = kind == FocusMapKind::kGradient ? sums(1, 0).data() : nullptr;
-    support_row(sums(first, 0).data(), second, used_, 4 * cells_.size(), cells_, side, y, s.line, stride,
-                ratio.data());
+    support_row(sums(first, 0).data(), second, adds_second_, used_, 4 * cells_.size(), cells_, side, y,
+                s.line, stride, ratio.data());
     sharpness_row(scale, floor_noise_q20_, used_, s.reciprocal.first(ratio.size()), ratio, s.deviation, s.row,
                   width, &focus_[m * cells_.size() + at], maps * cells_.size(),
                   &context_[(2 + m) * cells_.size() + at]);

@@ -106,7 +106,11 @@ class FocusInput {
   std::int32_t hypotheses_;
   std::uint32_t floor_noise_q20_;
   SupportScale scale_[4];
-  std::span<std::uint16_t> sums_;  // [D][gradient_x, gradient_y, squares, counts][cells]
+  bool has_direction_ = false;  // some map is of one direction's gradients
+  // [D][gradient_x, gradient_y, squares, counts][cells]; where no map tells directions apart, the first has
+  // both, and the second what did not fit.
+  std::span<std::uint16_t> sums_;
+  bool adds_second_[kMostHypotheses] = {};  // the sum of gradients is in two maps
   std::span<std::uint8_t> focus_;
   std::span<std::uint8_t> context_;
   std::span<std::int32_t> column_q8_;  // [width] px of one hypothesis

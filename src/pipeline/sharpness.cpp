@@ -171,12 +171,15 @@ void reciprocals(const SupportScale& scale, std::span<const std::uint32_t> count
 void noise_row(const SupportScale& scale, std::span<const std::uint32_t> count_sum, std::int32_t hypotheses,
                std::span<std::uint32_t> noise) noexcept {
   const auto k = static_cast<std::uint32_t>(hypotheses);
-  for (std::size_t x = 0; x < noise.size(); ++x) {
+  const std::size_t width = whole_groups(noise.size());
+  const std::uint32_t shift = scale.noise_shift;
+  std::uint32_t* const q = noise.data();
+  for (std::size_t x = 0; x < width; ++x) {
     const std::uint64_t mean =
         (static_cast<std::uint64_t>(count_sum[x]) << scale.count_shift) / k + scale.floor;
-    noise[x] = static_cast<std::uint32_t>(scale.noise / static_cast<std::uint32_t>(mean));
+    q[x] = static_cast<std::uint32_t>(scale.noise / static_cast<std::uint32_t>(mean));
   }
-  for (std::uint32_t& q : noise) q = floor_square_root_u32(q) << scale.noise_shift;
+  for (std::size_t x = 0; x < width; ++x) q[x] = floor_square_root_u32(q[x]) << shift;
 }
 
 void sharpness_row(const SupportScale& scale, std::uint32_t floor_noise_q20, std::int32_t hypotheses,

@@ -16,10 +16,18 @@ std::int32_t round_q16(double px) noexcept {
   return static_cast<std::int32_t>(floor_of(px * kQ16 + 0.5));
 }
 
-MotionKnot interpolate(const MotionKnot& a, const MotionKnot& b, double share) noexcept {
+MotionKnot difference(const MotionKnot& b, const MotionKnot& a) noexcept {
   MotionKnot out;
-  for (int i = 0; i < 9; ++i) out.rotation[i] = a.rotation[i] + share * (b.rotation[i] - a.rotation[i]);
-  for (int i = 0; i < 3; ++i) out.centre_m[i] = a.centre_m[i] + share * (b.centre_m[i] - a.centre_m[i]);
+  for (int i = 0; i < 9; ++i) out.rotation[i] = b.rotation[i] - a.rotation[i];
+  for (int i = 0; i < 3; ++i) out.centre_m[i] = b.centre_m[i] - a.centre_m[i];
+  return out;
+}
+
+// a + share * (b - a)
+MotionKnot between(const MotionKnot& a, const MotionKnot& to_b, double share) noexcept {
+  MotionKnot out;
+  for (int i = 0; i < 9; ++i) out.rotation[i] = a.rotation[i] + share * to_b.rotation[i];
+  for (int i = 0; i < 3; ++i) out.centre_m[i] = a.centre_m[i] + share * to_b.centre_m[i];
   return out;
 }
 
@@ -34,10 +42,9 @@ LandingLines take_lines(std::size_t events, bool with_time, Arena& arena) noexce
   return lines;
 }
 
-}  // namespace
-
-LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
-                         std::int32_t hypotheses) noexcept {
+[[gnu::always_inline]] inline LandingLine line_of(const Ray& ray, const MotionKnot& knot,
+                                                  const Intrinsics& grid, double step_per_m,
+                                                  std::int32_t hypotheses) noexcept {
   const double* r = knot.rotation;
   const double x = static_cast<double>(ray.x);
   const double y = static_cast<double>(ray.y);
@@ -62,6 +69,13 @@ LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsic
     k_end = k_end < 1 ? k_end : 1;
   }
   return {round_q16(u), round_q16(v), round_q16(du), round_q16(dv), k_end};
+}
+
+}  // namespace
+
+LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
+                         std::int32_t hypotheses) noexcept {
+  return line_of(ray, knot, grid, step_per_m, hypotheses);
 }
 
 std::size_t Warp::lines_bytes(std::int32_t line_events) noexcept {
@@ -141,14 +155,20 @@ void Warp::project_some(const WarpTask& task, std::uint32_t begin, std::uint32_t
   const bool with_time = !lines_.time_u8.empty();
   std::uint64_t behind = 0;
   EventWindow::Reader reader(window, selection, begin + first);
+  int last_knot = -1;  // events come in order of time: to the next knot is as far for many of them
+  MotionKnot to_next;
   for (std::uint32_t i = first; i < last; ++i) {
     const EventWindow::Selected event = reader.next();
     const std::int64_t since_us = event.t_us - track.begin_us;
     const double at = static_cast<double>(since_us) * knots_per_us;
     int knot = static_cast<int>(at);
     if (knot > MotionTrack::kKnots - 2) knot = MotionTrack::kKnots - 2;
-    const MotionKnot motion = interpolate(track.knots[knot], track.knots[knot + 1], at - knot);
-    const LandingLine line = landing_line(rays_[event.pixel], motion, grid_, ladder.step_per_m, ladder.count);
+    if (knot != last_knot) {
+      to_next = difference(track.knots[knot + 1], track.knots[knot]);
+      last_knot = knot;
+    }
+    const MotionKnot motion = between(track.knots[knot], to_next, at - knot);
+    const LandingLine line = line_of(rays_[event.pixel], motion, grid_, ladder.step_per_m, ladder.count);
     lines_.u_q16[i] = line.u_q16;
     lines_.v_q16[i] = line.v_q16;
     lines_.du_q16[i] = line.du_q16;

@@ -30,7 +30,7 @@ std::vector<std::uint8_t> random_plane(int width, int height, unsigned seed, uns
 }  // namespace
 
 TEST_CASE("cell sums are those of the formulas, at every size around the cell") {
-  for (const unsigned largest : {3u, 255u}) {
+  for (const unsigned largest : {3u, 127u, 255u}) {
     for (const int width : {4, 5, 7, 8, 61}) {
       for (const int height : {4, 6, 9, 47}) {
         CAPTURE(largest, width, height);
@@ -65,6 +65,47 @@ TEST_CASE("cell sums are those of the formulas, at every size around the cell") 
   }
 }
 
+// One count that is too large, in any row of a strip or beside it, turns it to wider sums.
+TEST_CASE("cell sums with a single large count are those of unsigned integers") {
+  constexpr int kWidth = 40;
+  constexpr int kHeight = 12;
+  for (int y = 0; y < kHeight; ++y) {
+    for (const int x : {0, 17, kWidth - 1}) {
+      CAPTURE(x, y);
+      std::vector<std::uint8_t> plane(static_cast<std::size_t>(kWidth * kHeight), 127);
+      plane[static_cast<std::size_t>(y * kWidth + x)] = 255;
+      Maps maps(30);
+      std::vector<std::uint32_t> scratch(4 * kWidth);
+      sum_cells(plane, kWidth, kHeight, scratch, maps.sums);
+      const auto cell = static_cast<std::size_t>(y / 4 * 10 + x / 4);
+      for (std::size_t i = 0; i < 30; ++i) {
+        REQUIRE(maps.sums.counts[i] == 16 * 127 + (i == cell ? 128 : 0));
+        REQUIRE(maps.sums.squares[i] ==
+                std::min(65535, 16 * 127 * 126 + (i == cell ? 255 * 254 - 127 * 126 : 0)));
+      }
+      int gradients = 0;
+      for (const std::uint16_t sum : maps.sums.gradient_y) gradients += sum;
+      CHECK(gradients == ((y > 1) + (y < kHeight - 2)) * 128 * 128);
+    }
+  }
+}
+
+TEST_CASE("gathered maps have the same sum, and say whether it takes both") {
+  std::vector<std::uint16_t> first = {0, 1, 65535, 40000, 65535, 0, 7, 65534, 3};
+  std::vector<std::uint16_t> second = {0, 2, 0, 40000, 65535, 65535, 8, 1, 4};
+  const std::vector<std::uint16_t> a = first;
+  const std::vector<std::uint16_t> b = second;
+  CHECK(gather(first, second));
+  CHECK(second == std::vector<std::uint16_t>{0, 0, 0, 14465, 65535, 0, 0, 0, 0});
+  for (std::size_t i = 0; i < a.size(); ++i) CHECK(first[i] + second[i] == a[i] + b[i]);
+  CHECK(gather(first, second));  // it is no more than that
+  std::vector<std::uint16_t> small = {1, 2, 65500};
+  std::vector<std::uint16_t> other = {3, 4, 35};
+  CHECK_FALSE(gather(small, other));
+  CHECK(small == std::vector<std::uint16_t>{4, 6, 65535});
+  CHECK(other == std::vector<std::uint16_t>{0, 0, 0});
+}
+
 TEST_CASE("the support is two boxes, zero outside, and the largest sums fit") {
   const EnergyGrid grid{13, 9};
   for (const int side : {1, 3, 5, 7}) {
@@ -90,14 +131,17 @@ TEST_CASE("the support is two boxes, zero outside, and the largest sums fit") {
     const std::size_t padded = 16;
     std::vector<std::uint32_t> line(2 * (padded + 6));
     std::vector<std::uint32_t> out(2 * padded);
-    for (const bool twice : {false, true}) {
-      for (int y = 0; y < grid.height; ++y) {
-        support_row(maps.data(), twice ? maps.data() : nullptr, 2, grid.size(), grid, side, y, line, padded,
-                    out.data());
-        for (std::size_t x = 0; x < width; ++x) {
-          const std::size_t at = static_cast<std::size_t>(y) * width + x;
-          REQUIRE(out[x] == (twice ? 2 : 1) * naive[at]);
-          REQUIRE(out[padded + x] == (twice ? 2 : 1) * naive[naive.size() - 1 - at]);
+    const bool adds_second[][2] = {{false, false}, {true, false}, {true, true}};
+    for (const bool(&adds)[2] : adds_second) {
+      for (const bool second : {false, true}) {
+        for (int y = 0; y < grid.height; ++y) {
+          support_row(maps.data(), second ? maps.data() : nullptr, adds, 2, grid.size(), grid, side, y, line,
+                      padded, out.data());
+          for (std::size_t x = 0; x < width; ++x) {
+            const std::size_t at = static_cast<std::size_t>(y) * width + x;
+            REQUIRE(out[x] == (second && adds[0] ? 2 : 1) * naive[at]);
+            REQUIRE(out[padded + x] == (second && adds[1] ? 2 : 1) * naive[naive.size() - 1 - at]);
+          }
         }
       }
     }

@@ -201,11 +201,14 @@ TEST_CASE("one cell of four hypotheses, by hand") {
 }
 
 TEST_CASE("roots and logarithms") {
-  for (const std::uint32_t x :
-       {0u, 1u, 3u, 4u, 8u, 9u, 65535u, 65536u, 4294836224u, 4294836225u, 4294967295u}) {
-    const std::uint64_t root = floor_square_root_u32(x);
-    CHECK(root * root <= x);
-    CHECK((root + 1) * (root + 1) > x);
+  // Around every square: what a root in floating point could get wrong.
+  for (std::uint64_t n = 0; n <= 65536; ++n) {
+    for (const std::uint64_t x : {n * n - 1, n * n, n * n + n, n * n + 2 * n}) {
+      if (x > 0xffffffff) continue;
+      const std::uint64_t root = floor_square_root_u32(static_cast<std::uint32_t>(x));
+      REQUIRE(root * root <= x);
+      REQUIRE((root + 1) * (root + 1) > x);
+    }
   }
   for (std::uint32_t i = 0; i < 256; ++i)
     CHECK(kLog2Table.entry_q8[i] == std::floor(256 * std::log2(1 + (i + 0.5) / 256) + 0.5));
