@@ -14,8 +14,8 @@ using recording::Names;
 constexpr Names<EventsFrom, 3> kEventsNames{
     {{"replay", EventsFrom::kReplay}, {"usb", EventsFrom::kUsb}, {"v4l2", EventsFrom::kV4l2}}};
 constexpr Names<MotionFrom, 2> kMotionNames{{{"replay", MotionFrom::kReplay}, {"can", MotionFrom::kCan}}};
-constexpr Names<ClockKind, 2> kClockNames{
-    {{"real", ClockKind::kMonotonic}, {"virtual", ClockKind::kVirtual}}};
+constexpr Names<ClockKind, 3> kClockNames{
+    {{"real", ClockKind::kMonotonic}, {"virtual", ClockKind::kVirtual}, {"device", ClockKind::kDevice}}};
 constexpr Names<AtEnd, 2> kAtEndNames{{{"stop", AtEnd::kStop}, {"repeat", AtEnd::kRepeat}}};
 constexpr Names<Backend, 2> kBackendNames{{{"network", Backend::kNetwork}, {"focus", Backend::kFocus}}};
 
@@ -32,6 +32,7 @@ void describe(Section& s, SourceConfig& v) {
   s.choice("motion", v.motion, kMotionNames);
   s.optional("recording", v.recording);
   s.choice("clock", v.clock, kClockNames);
+  s.optional("first_tick_us", v.first_tick_us);
   s.choice("at_end", v.at_end, kAtEndNames);
   s.optional("wait_for_reader", v.wait_for_reader);
   const bool is_replay = v.events == EventsFrom::kReplay;
@@ -41,11 +42,16 @@ void describe(Section& s, SourceConfig& v) {
     s.refuse("recording", "is missing: events = \"replay\" needs the folder of a recording");
   if (!is_replay && !v.recording.empty()) s.refuse("recording", "is for events = \"replay\" alone");
   if (!is_replay && v.clock == ClockKind::kVirtual)
-    s.refuse("clock", "cannot be \"virtual\" with devices, which do not wait");
+    s.refuse("clock", "cannot be \"virtual\" with devices, which do not wait; \"device\" goes by their time");
+  if (is_replay && v.clock == ClockKind::kDevice)
+    s.refuse("clock",
+             "cannot be \"device\" with events = \"replay\"; \"virtual\" goes by the recording's time");
+  if (v.clock != ClockKind::kDevice && v.first_tick_us != 0)
+    s.refuse("first_tick_us", "is for clock = \"device\" alone");
   if (v.clock == ClockKind::kVirtual && v.at_end == AtEnd::kRepeat)
     s.refuse("at_end", "cannot be \"repeat\" with clock = \"virtual\", whose time goes one way");
   if (v.clock == ClockKind::kMonotonic && v.wait_for_reader)
-    s.refuse("wait_for_reader", "is for clock = \"virtual\" alone: real time does not wait");
+    s.refuse("wait_for_reader", "is for clock = \"virtual\" and \"device\" alone: real time does not wait");
 }
 
 template <typename Section>

@@ -23,6 +23,7 @@ struct SourceConfig {
   MotionFrom motion = MotionFrom::kReplay;
   std::filesystem::path recording;
   ClockKind clock = ClockKind::kMonotonic;
+  std::int64_t first_tick_us = 0;  ///< clock = "device": t_0 of the ticks
   AtEnd at_end = AtEnd::kStop;
   bool wait_for_reader = false;
 };

@@ -19,6 +19,13 @@ void require_device(const Status& status, const std::string& where) {
   require(status, where, status.code() == StatusCode::kNoDevice ? ExitCode::kNoDevice : ExitCode::kDevice);
 }
 
+// clock = "device": samples keep the time of the device that they come from.
+template <typename Settings>
+Settings with_time_of(const Setup& setup, Settings settings) {
+  settings.device_time = setup.daemon.source.clock == ClockKind::kDevice;
+  return settings;
+}
+
 struct UsbCamera {
   UsbCamera(const UsbCameraSettings& settings, const UsbIo& io)
       : buffers(UsbCameraSource::buffer_bytes(settings)), source(settings, buffers, io, monotonic_clock()) {}
@@ -68,11 +75,16 @@ void open_usb(const Setup& setup, OpenSources& open) {
                 "this build has no USB. Install libusb (Debian: libusb-1.0-0-dev) and build again with "
                 "EGOFOCUS_USB=ON.");
   }
-  open_camera(std::make_shared<UsbCamera>(setup.camera.usb.camera, *usb), "[usb]", setup, open);
+  open_camera(std::make_shared<UsbCamera>(with_time_of(setup, setup.camera.usb.camera), *usb), "[usb]", setup,
+              open);
 }
 
+// [camera] has the size that a node without a known sensor does not tell.
 void open_v4l2(const Setup& setup, OpenSources& open) {
-  open_camera(std::make_shared<V4l2Camera>(setup.camera.v4l2.camera), "[v4l2]", setup, open);
+  const Intrinsics& camera = setup.camera.config.camera.intrinsics;
+  V4l2CameraSettings settings = with_time_of(setup, setup.camera.v4l2.camera);
+  settings.size = {static_cast<std::uint16_t>(camera.width_px), static_cast<std::uint16_t>(camera.height_px)};
+  open_camera(std::make_shared<V4l2Camera>(settings), "[v4l2]", setup, open);
 }
 
 void open_can(const Setup& setup, Recorder& recorder, OpenSources& open) {
@@ -82,8 +94,9 @@ void open_can(const Setup& setup, Recorder& recorder, OpenSources& open) {
                 "lacks the section [can]: motion = \"can\" needs a DBC and its signals (docs/formats.md).");
   }
   const std::filesystem::path dbc = setup.camera_file.parent_path() / can.dbc;
-  auto bus =
-      std::make_shared<CanBus>(setup.daemon.can, recording::make_can_decoder(can, setup.dbc, dbc), recorder);
+  const SocketCanConfig interface = setup.daemon.can;
+  auto bus = std::make_shared<CanBus>(with_time_of(setup, interface),
+                                      recording::make_can_decoder(can, setup.dbc, dbc), recorder);
   require_device(bus->source.start(), std::string("[can] interface ") + setup.daemon.can.interface_name);
   bus->source.stop();
   open.devices.emplace_back([source = &bus->source](auto& facts) {

@@ -48,7 +48,9 @@ OpenSources open_sources(const Setup& setup, Recorder& recorder) {
   if (setup.daemon.source.events != EventsFrom::kReplay) {
     OpenSources open = open_live_sources(setup, recorder);
     const Clock clock = monotonic_clock();
-    open.first_tick_us = clock.now_us(clock.self) + period_us(setup);
+    const SourceConfig& source = setup.daemon.source;
+    open.first_tick_us = source.clock == ClockKind::kDevice ? source.first_tick_us
+                                                            : clock.now_us(clock.self) + period_us(setup);
     open.ends_before = [](std::int64_t) { return false; };
     return open;
   }

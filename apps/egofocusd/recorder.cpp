@@ -54,8 +54,8 @@ Recorder::Recorder(const RecordConfig& config)
 void Recorder::begin(const Setup& setup, std::int64_t now_us) {
   if (config_.folder.empty())
     throw Error(ExitCode::kConfiguration, "[record] folder is empty: name one, and start the daemon again.");
-  if (setup.daemon.source.clock == ClockKind::kVirtual)
-    throw Error(ExitCode::kConfiguration, "clock = \"virtual\" has its recording already.");
+  if (setup.daemon.source.clock != ClockKind::kMonotonic)
+    throw Error(ExitCode::kConfiguration, "recordings are made with clock = \"real\" alone.");
   if (setup.camera.config.motion.source == MotionSource::kPoses)
     throw Error(ExitCode::kConfiguration, "the motion are poses, not a bus: there is no can.log to write.");
   Wish wish;

@@ -20,6 +20,8 @@ struct Model;
 enum class ClockKind : std::uint8_t {
   kVirtual,    ///< time is what the samples say: tick() waits for data, not for the clock (replay, tests)
   kMonotonic,  ///< CLOCK_MONOTONIC: tick() sleeps to its absolute deadline; sources poll on their own threads
+  kDevice,  ///< time is what live devices say, all by one clock: tick() polls them until each has delivered
+            ///< so far
 };
 
 /// What the arena is for, in bytes; `all` is the sum of the others.
@@ -72,13 +74,15 @@ class EGOFOCUS_API Engine {
 
   /// kVirtual: the next tick is about `t_us` instead, sooner or later than the grid says, and the grid goes
   /// on from there. Depth does not depend on when else there were ticks: samples are used by their own times.
-  /// Errors, which change nothing: kBadState before start(), after stop() and with kMonotonic; kBadTick when
+  /// Likewise kDevice. Errors, which change nothing: kBadState before start(), after stop() and with
+  /// kMonotonic; kBadTick when
   /// `t_us` is not after the last tick (value, bound = its time) or above 2^60. Thread: the tick's. RT: yes.
   Status set_next_tick(std::int64_t t_us) noexcept;
 
   /// One step: ingest -> ego-motion -> warp -> focus -> depth, and publication. A frame is published each
   /// time. Returns false, and does nothing, when all attached sources ended before the tick's time
-  /// (kVirtual), after request_stop(), and when the engine is not started. RT: yes.
+  /// (kVirtual, kDevice), after request_stop(), and when the engine is not started. kDevice: waits for the
+  /// sources, however long, until request_stop(). RT: yes.
   bool tick() noexcept;
 
   /// The newest published frame; false before the first. RT: yes.

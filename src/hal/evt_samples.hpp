@@ -22,10 +22,11 @@ struct EvtSampleCounters {
 /// the batch in which device time was reset on. Thread: one. RT: take yes, O(bytes).
 class EvtSamples {
  public:
-  /// A sensor was started: decoder and clock begin anew, counts go on.
-  void restart(EvtFormat format, SensorSize size) noexcept {
+  /// A sensor was started: decoder and clock begin anew, counts go on. `device_time`: its times are taken as
+  /// they are.
+  void restart(EvtFormat format, SensorSize size, bool device_time) noexcept {
     decoder_ = EvtDecoder(format, size, decoder_.counters());
-    clock_.restart();
+    clock_.restart(device_time);
   }
   /// Bytes before the next ones were lost.
   void resync() noexcept { decoder_.resync(); }

@@ -69,6 +69,7 @@ Status SocketCanSource::start() noexcept {
   health_ = {};
   errors_ = {};
   clock_ = {};
+  device_watermark_us_ = INT64_MIN;
   bus_off_since_us_ = 0;
   const Status status = open();
   const bool absent = status.value() == ENODEV;
@@ -127,9 +128,10 @@ Status SocketCanSource::prepare(int fd) noexcept {
   // A kernel that lacks one of these tells less, but works.
   const int on = 1;
   const can_err_mask_t all_errors = CAN_ERR_MASK;
-  const int stamps =
-      SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE |
-      (config_.hardware_time ? SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE : 0);
+  const int stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE |
+                     (config_.hardware_time || config_.device_time
+                          ? SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE
+                          : 0);
   for (const int done :
        {set(SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on), set(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, all_errors),
         set(SOL_SOCKET, SO_TIMESTAMPING, stamps), set(SOL_SOCKET, SO_RXQ_OVFL, on)}) {
@@ -158,7 +160,10 @@ Delivery SocketCanSource::poll(Inlets& inlets, std::int64_t timeout_us) noexcept
   if (health_.link != CanLink::kUp) watch_link(now);
   watch_bus(now);
   publish();
-  return {.watermark_us = now - can_lag_us(motion_->config()), .ended = false, .status = {}};
+  const std::int64_t host_watermark_us = now - can_lag_us(motion_->config());
+  return {.watermark_us = config_.device_time ? device_watermark_us_ : host_watermark_us,
+          .ended = false,
+          .status = {}};
 }
 
 void SocketCanSource::receive(Inlets& inlets) noexcept {
@@ -267,7 +272,11 @@ void SocketCanSource::take(const CanMessage& message, Inlets& inlets) noexcept {
   ++health_.frames;
   errors_.hear();
   CanFrame frame = message.frame;
-  take_time(message, frame);
+  if (!config_.device_time) {
+    take_time(message, frame);
+  } else if (!take_device_time(message, frame)) {
+    return;
+  }
   if (tap_.frame != nullptr) tap_.frame(tap_.self, frame);
   MotionSamples samples;
   motion_->feed(frame, samples);
@@ -290,6 +299,16 @@ void SocketCanSource::take_time(const CanMessage& message, CanFrame& frame) noex
   const std::int64_t device_us = message.hardware_ns / 1000;
   clock_.observe(device_us, frame.t_us);
   if (clock_.begun()) frame.t_us = lower_of(clock_.to_host_us(device_us), read_ns_ / 1000);
+}
+
+bool SocketCanSource::take_device_time(const CanMessage& message, CanFrame& frame) noexcept {
+  health_.hardware_stamps += message.hardware_ns != 0;
+  health_.without_stamp += message.hardware_ns == 0;
+  if (message.hardware_ns == 0) return false;
+  frame.t_us = message.hardware_ns / 1000;
+  const std::int64_t all_us = frame.t_us - can_lag_us(motion_->config()) - 1;  // its microsecond may go on
+  if (all_us > device_watermark_us_) device_watermark_us_ = all_us;
+  return true;
 }
 
 // The offset between two clocks that run on: the tightest of a few brackets.

@@ -21,6 +21,8 @@ struct SocketCanConfig {
   char interface_name[16] = "can0";
   /// The controller's own time stamps, where it has them, mapped onto the host's clock; else the kernel's.
   bool hardware_time = true;
+  /// Samples keep the controller's time, for ClockKind::kDevice; frames without it are dropped.
+  bool device_time = false;
   /// An interface that is not there at start() is waited for, as one that vanishes later is.
   bool wait_for_interface = false;
   /// 0: a bus-off node stays off until the kernel (`ip link set can0 type can restart-ms 100`) or somebody
@@ -50,8 +52,9 @@ struct SocketCanHealth {
   std::uint64_t remote_frames = 0;
   std::uint64_t malformed = 0;
   std::uint64_t kernel_dropped = 0;  ///< the socket's queue was full: this thread came too late
-  std::uint64_t without_stamp =
-      0;  ///< no time stamp of the kernel, or one that cannot be: time of reading taken
+  /// No time stamp of the kernel, or one that cannot be: time of reading taken. device_time: none of the
+  /// controller, dropped.
+  std::uint64_t without_stamp = 0;
   std::uint64_t hardware_stamps = 0;
   std::uint64_t link_downs = 0;
   std::uint64_t link_losses = 0;
@@ -105,6 +108,7 @@ class SocketCanSource {
   bool failed(int code) noexcept;
   void take(const CanMessage& message, Inlets& inlets) noexcept;
   void take_time(const CanMessage& message, CanFrame& frame) noexcept;
+  bool take_device_time(const CanMessage& message, CanFrame& frame) noexcept;
   void sample_clocks() noexcept;
   void publish() noexcept;
   [[nodiscard]] std::int64_t now_us() const noexcept { return io_.now_ns(io_.self, false) / 1000; }
@@ -124,6 +128,7 @@ class SocketCanSource {
   SocketCanBatch batch_;
   CanErrorDecoder errors_;
   ClockMap clock_;
+  std::int64_t device_watermark_us_ = INT64_MIN;  // device_time: all up to here was taken
   SocketCanHealth health_;
   Snapshot<SocketCanHealth> published_;
 };

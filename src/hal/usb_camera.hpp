@@ -34,7 +34,8 @@ struct UsbCameraSettings {
   AxisMap imu_axes;                 ///< from the camera's IMU to the body
   bool background_filter = false;   ///< DAVIS: the camera drops isolated events by itself, uncounted by us
   UsbSensitivity sensitivity = UsbSensitivity::kDefault;  ///< DVXplorer
-  bool reopen = true;  ///< a lost camera is opened again by poll(); false: poll() returns kDeviceLost
+  bool reopen = true;        ///< a lost camera is opened again by poll(); false: poll() returns kDeviceLost
+  bool device_time = false;  ///< samples keep the camera's time, for ClockKind::kDevice; else the host's
   UsbBias biases[kMaxBiases];
   std::size_t bias_count = 0;
 };

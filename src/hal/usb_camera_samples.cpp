@@ -9,7 +9,7 @@ void UsbCameraSamples::restart(const UsbCameraDriver& driver, const UsbCameraInf
   imu_axes_ = settings.imu_axes;
   inivation_ = InivationDecoder(info.layout, inivation_.counters());
   evt_ = Evt3Decoder(info.size, evt_.counters());
-  clock_.restart();
+  clock_.restart(settings.device_time);
 }
 
 void UsbCameraSamples::take(std::span<const std::byte> bytes, std::int64_t host_us, bool is_live,

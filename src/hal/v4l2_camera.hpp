@@ -41,7 +41,8 @@ struct V4l2CameraSettings {
   std::int32_t buffers = 16;     ///< asked of the driver, 2..32
   std::int32_t frame_bytes = 4 << 20;  ///< largest buffer that is taken, 4096..64 MiB
   std::int32_t silence_ms = 1000;      ///< without a buffer for so long the stream is lost; 0: never
-  bool reopen = true;  ///< a lost device is opened again by poll(); false: poll() returns kDeviceLost
+  bool reopen = true;        ///< a lost device is opened again by poll(); false: poll() returns kDeviceLost
+  bool device_time = false;  ///< events keep the sensor's time, for ClockKind::kDevice; else the host's
   V4l2ControlSetting controls[kMaxControls];
   std::size_t control_count = 0;
 };

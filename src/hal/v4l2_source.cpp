@@ -59,7 +59,7 @@ Status V4l2CameraSource::start() noexcept {
   }
   // The same sensor after a loss, even where another one of its kind is there as well.
   if (settings_.device[0] == '\0') V4l2Text(settings_.device).text(info_.route.sensor);
-  samples_.restart(info_.format, info_.size);
+  samples_.restart(info_.format, info_.size, settings_.device_time);
   has_sequence_ = false;
   failures_in_a_row_ = 0;
   last_data_us_ = now_us();

@@ -209,7 +209,7 @@ Status Engine::set_next_tick(std::int64_t t_us) noexcept {
     return {StatusCode::kBadState, "set_next_tick() before start() or after stop()"};
   }
   State& s = *state_;
-  if (s.clock_kind != ClockKind::kVirtual) {
+  if (s.clock_kind == ClockKind::kMonotonic) {
     return {StatusCode::kBadState, "set_next_tick() with the monotonic clock, whose ticks are a grid"};
   }
   const std::int64_t last_us = s.pipeline.last_tick_us();
@@ -220,22 +220,23 @@ Status Engine::set_next_tick(std::int64_t t_us) noexcept {
   return {};
 }
 
-// Virtual time: asks every source for all up to the tick, and empties the rings as they fill.
+// Asks every source for all up to the tick, and empties the rings as they fill; live ones are waited for.
 // False when there is no source left that reaches the tick and nothing new came either.
 bool Engine::State::deliver_until(std::int64_t tick_us) noexcept {
+  const bool is_live = clock_kind == ClockKind::kDevice;
   std::uint64_t taken_in_all = pipeline.ingest(rings, tick_us, INT64_MAX);
   bool all_ended = source_count > 0;
-  for (int idle = 0; idle < kIdlePolls;) {
+  for (int idle = 0; idle < kIdlePolls && !stopping.load(std::memory_order_relaxed);) {
     bool waiting = false;
     for (int i = 0; i < source_count; ++i) {
       AttachedSource& attached = sources[i];
       if (attached.newest.ended || attached.newest.watermark_us >= tick_us) continue;
-      attached.poll(tick_us, 0);
+      attached.poll(tick_us, is_live ? kPollTimeout_us : 0);
       waiting |= !attached.newest.ended && attached.newest.watermark_us < tick_us;
     }
     const std::uint64_t taken = pipeline.ingest(rings, tick_us, INT64_MAX);
     taken_in_all += taken;
-    idle = taken > 0 ? 0 : idle + 1;
+    idle = taken > 0 || is_live ? 0 : idle + 1;
     if (!waiting) break;
   }
   for (int i = 0; i < source_count; ++i) all_ended &= sources[i].newest.ended;
@@ -248,7 +249,7 @@ bool Engine::tick() noexcept {
   if (s.stopping.load(std::memory_order_relaxed)) return false;
   std::int64_t tick_us = s.scheduler.tick_us();
   std::int64_t late_us = 0;
-  if (s.clock_kind == ClockKind::kVirtual) {
+  if (s.clock_kind != ClockKind::kMonotonic) {
     if (!s.deliver_until(tick_us)) return false;
   } else {
     late_us = s.scheduler.wait(s.clock, s.stopping);
@@ -265,7 +266,7 @@ bool Engine::tick() noexcept {
   s.pipeline.tick(tick_us, s.pool, slot);
 
   slot.frame.sequence = s.scheduler.index();
-  if (s.clock_kind == ClockKind::kVirtual) {
+  if (s.clock_kind != ClockKind::kMonotonic) {
     s.scheduler.advance();
   } else {
     const std::int64_t now_us = s.clock.now_us(s.clock.self);

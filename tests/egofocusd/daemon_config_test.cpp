@@ -44,6 +44,7 @@ TEST_CASE("the commented default lacks the recording alone, and says what the pr
   CHECK(from_text.source.recording == "/etc/x/recording");
   const DaemonConfig built_in;
   CHECK(from_text.source.clock == built_in.source.clock);
+  CHECK(from_text.source.first_tick_us == built_in.source.first_tick_us);
   CHECK(from_text.source.at_end == built_in.source.at_end);
   CHECK(from_text.source.wait_for_reader == built_in.source.wait_for_reader);
   CHECK(std::string(from_text.can.interface_name) == built_in.can.interface_name);
@@ -107,7 +108,9 @@ TEST_CASE("what is wrong or contradicts itself is named with its line") {
       {"clock = \"real\"", "clock = \"virtual\"\nat_end = \"repeat\" #", "already defined"},
       {"at_end = \"stop\"", "at_end = \"repeat\" # ", ""},
       {"wait_for_reader = false", "wait_for_reader = true",
-       "[source] `wait_for_reader` is for clock = \"virtual\" alone"},
+       "[source] `wait_for_reader` is for clock = \"virtual\" and"},
+      {"clock = \"real\"", "clock = \"device\"", "[source] `clock` cannot be \"device\" with"},
+      {"first_tick_us = 0", "first_tick_us = 5", "[source] `first_tick_us` is for clock = \"device\" alone"},
       {"# model = ", "backend2 = 0\nmodel = ", "[engine] has no key `backend2`"},
       {"buffer_events = 1048576", "buffer_events = 1000", "[record] `buffer_events` must be a power of two"},
       {"max_mib = 4096", "max_mib = 0", "[record] `max_mib` must lie in"},
@@ -151,6 +154,8 @@ TEST_CASE("devices are both live, have a camera file, no recording and no virtua
   CHECK(config.source.events == EventsFrom::kUsb);
   CHECK(config.engine.camera == "/etc/x/robot.toml");
   CHECK(problems_of(with(live, "usb", "v4l2") + engine).empty());
+  CHECK(problems_of(live + "clock = \"device\"\nfirst_tick_us = 1000\nwait_for_reader = true\n" + engine)
+            .empty());
   const auto only = [](const std::string& text) {
     const auto problems = problems_of(text);
     REQUIRE(problems.size() == 1);

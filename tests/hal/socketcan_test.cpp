@@ -174,6 +174,32 @@ TEST_CASE("socketcan: the controller's stamps are mapped; without them the kerne
   }
 }
 
+TEST_CASE("socketcan: with device_time samples keep the controller's, and what has none is dropped") {
+  const auto dbc = read_dbc_text("BO_ 7 R: 1 X\n SG_ R : 0|8@1- (1,0) [0|0] \"\" X\n");
+  SocketCanConfig config;
+  config.hardware_time = false;
+  config.device_time = true;
+  CanMotionConfig motion = config_of({entry("R", "R", CanRole::kGyroX)});
+  motion.group_window_us = 2000;
+  CanBench bench(config, motion, *dbc);
+  REQUIRE(bench.source.start().ok());
+  int flags = 0;
+  std::memcpy(&flags, bench.kernel.options.at(SO_TIMESTAMPING).data(), sizeof flags);
+  CHECK((flags & SOF_TIMESTAMPING_RAW_HARDWARE) != 0);
+  CHECK(bench.poll().watermark_us == INT64_MIN);
+  bench.kernel.frame(7, {1}).hardware_ns = 40'000'700;
+  bench.kernel.frame(7, {2});
+  bench.kernel.frame(7, {3}).hardware_ns = 45'000'000;
+  CHECK(bench.poll().watermark_us == 45'000 - 2000 - 1);
+  const auto imu = bench.imu();
+  REQUIRE(imu.size() == 2);
+  CHECK(imu[0].t_us == 40'000);
+  CHECK(imu[1].t_us == 45'000);
+  CHECK(bench.health().without_stamp == 1);
+  bench.kernel.pass(1'000'000);
+  CHECK(bench.poll().watermark_us == 45'000 - 2000 - 1);
+}
+
 TEST_CASE("socketcan: more than one batch a poll, and never more than a bound") {
   CanBench bench;
   REQUIRE(bench.source.start().ok());

@@ -45,6 +45,24 @@ TEST_CASE("USB: events get the host's time, in device order") {
   CHECK(bench.source.counters().inivation.events == 2);
 }
 
+TEST_CASE("USB: with device_time events keep the camera's time, from the first one on") {
+  Usb bus;
+  bus.cameras = {davis346()};
+  UsbCameraSettings settings;
+  settings.device_time = true;
+  Bench bench(bus, settings);
+  REQUIRE(bench.stream());
+  bus.cameras[0].endings.push_back(
+      words({time_reset(), time_stamp(50), row(3), column(1, 4), time_stamp(90)}));
+  CHECK(bench.poll().watermark_us == 89);
+  CHECK(bench.events() == std::vector<Event>{{50, 4, 3, 1}});
+  bus.clock.set(bus.clock.now_us() + 1'000'000);  // whatever the host's clock does
+  bus.cameras[0].endings.push_back(words({time_stamp(95), column(0, 5)}));
+  CHECK(bench.poll().watermark_us == 94);
+  CHECK(bench.events() == std::vector<Event>{{95, 5, 3, 0}});
+  CHECK(bench.source.counters().events_unmapped == 0);
+}
+
 TEST_CASE("USB: what comes before the clock is known, or before the start is over, is dropped and counted") {
   Usb bus;
   bus.cameras = {davis346()};

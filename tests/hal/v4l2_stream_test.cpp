@@ -43,6 +43,20 @@ TEST_CASE("V4L2: events come out on the host's clock, and words go on in the nex
   CHECK(bench.kernel.queued.size() == 4);
 }
 
+TEST_CASE("V4L2: with device_time events keep the sensor's time, from the first one on") {
+  V4l2CameraSettings settings = V4l2Bench::small();
+  settings.device_time = true;
+  V4l2Bench bench(settings);
+  bench.start();
+  bench.pass(700'000);
+  bench.kernel.frame(evt3_event(1000, 7, 5));
+  CHECK(bench.poll().watermark_us == 999);
+  const std::vector<Event> events = bench.events();
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].t_us == 1000);
+  CHECK(bench.source->counters().samples.unmapped == 0);
+}
+
 TEST_CASE("V4L2: stale bytes behind the end-of-frame marker are never decoded") {
   V4l2Bench bench;
   bench.disguise();

@@ -8,7 +8,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <string>
 
 namespace egofocus::hil {
 
@@ -64,6 +66,20 @@ inline int set_can_bitrate(const char* interface_name, unsigned bits_per_s) {
   can_bittiming timing{};
   timing.bitrate = bits_per_s;
   return set_can_attribute(interface_name, IFLA_CAN_BITTIMING, &timing, sizeof timing);
+}
+
+inline bool appears(const char* interface_name, bool is_there = true) {
+  for (int i = 0; i < 1000; ++i) {
+    if ((if_nametoindex(interface_name) != 0) == is_there) return true;
+    usleep(20000);
+  }
+  return false;
+}
+
+/// Waits for an interface that was plugged in and sets it up, 500 kbit/s.
+inline bool raise_can(const char* interface_name) {
+  return appears(interface_name) && set_can_bitrate(interface_name, 500000) == 0 &&
+         std::system((std::string("ip link set ") + interface_name + " up").c_str()) == 0;
 }
 
 }  // namespace egofocus::hil

@@ -1,11 +1,9 @@
 #include "hil/emulated_davis.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cerrno>
 
-namespace hil {
+namespace egofocus::hil {
 namespace {
 
 constexpr std::uint32_t at(std::uint32_t module, std::uint32_t parameter) {
@@ -21,27 +19,12 @@ constexpr std::int64_t kPacket_us = 1000;
 constexpr std::int64_t kWrap_us = 0x8000;
 constexpr std::size_t kLongestSample = 64;  // bytes of an IMU sample, or of an event, with their time words
 
-std::int64_t now_us() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1'000'000LL + now.tv_nsec / 1000;
-}
-
 std::uint32_t big_endian(const Bytes& bytes, std::size_t first) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) value = value << 8 | bytes[first + i];
   return value;
 }
 
-void put(std::uint32_t word, Bytes& data) {
-  data.push_back(static_cast<std::uint8_t>(word));
-  data.push_back(static_cast<std::uint8_t>(word >> 8));
-}
-
-Bytes device_descriptor() {
-  // USB 2.0, vendor class, 64 bytes, 152a:841a, release 0006, texts 1 2 3, one configuration.
-  return {18, 1, 0, 2, 0xff, 0, 0, 64, 0x2a, 0x15, 0x1a, 0x84, 0x06, 0x00, 1, 2, 3, 1};
-}
 Bytes configuration() {
   return {9, 2, 0,    0, 1,    1,    0, 0x80, 250,  // configuration 1, one interface
           9, 4, 0,    0, 1,    0xff, 0, 0,    0,    // interface 0, one endpoint
@@ -50,9 +33,14 @@ Bytes configuration() {
 
 }  // namespace
 
-EmulatedDavis::EmulatedDavis(double rate_hz)
-    : EmulatedUsb(device_descriptor(), configuration(), {"iniVation", "DAVIS346", "00000346"}),
-      period_us_(1e6 / rate_hz),
+EmulatedDavis::EmulatedDavis(EventFeed& feed)
+    : EmulatedUsb({.vendor = 0x152a,
+                   .product = 0x841a,
+                   .release = 6,
+                   .device_class = {0xff, 0, 0},
+                   .texts = {"iniVation", "DAVIS346", "00000346"}},
+                  configuration()),
+      feed_(feed),
       parameters_{{at(6, 0), 18},   {at(6, 1), 5},         {at(6, 2), 1},          {at(6, 5), 80},
                   {at(6, 6), 1000}, {at(6, 7), 1},         {at(0, 80), 1},         {at(0, 83), 0},
                   {at(0, 84), 0},   {at(1, 0), kWidth_px}, {at(1, 1), kHeight_px}, {at(1, 2), 0},
@@ -90,10 +78,13 @@ bool EmulatedDavis::control(const Setup& setup, Bytes& data) {
 void EmulatedDavis::write(std::uint32_t address, std::uint32_t value) {
   const bool is_start = value == 1 && parameters_[address] == 0;
   parameters_[address] = value;
-  if (!is_start || (address != kTimeReset && address != kTimeRun)) return;
-  zero_us_ = now_us();
-  sent_us_ = wraps_sent_ = next_imu_us_ = 0;
-  has_reset_ = address == kTimeReset;
+  if (address == kTimeReset && is_start) has_reset_ = true;
+  if (address != kDvsRun) return;
+  time_.end();
+  if (!is_start) return;
+  feed_.restart();
+  wraps_sent_ = next_imu_us_ = 0;
+  time_.begin();
 }
 
 bool EmulatedDavis::runs(std::uint32_t address) const {
@@ -108,9 +99,9 @@ void EmulatedDavis::halt_cleared(std::uint8_t) {
 int EmulatedDavis::in(std::uint8_t, std::size_t most, Bytes& data) {
   if (is_halted_) return EPIPE;
   const std::lock_guard lock(mutex_);
-  if (is_held_ || !runs(kUsbRun) || !runs(kMuxRun) || !runs(kTimeRun)) return EAGAIN;
-  const std::int64_t until_us = now_us() - zero_us_;
-  if (until_us - sent_us_ < kPacket_us) return EAGAIN;
+  if (is_held_ || !runs(kUsbRun) || !runs(kMuxRun) || !runs(kTimeRun) || !time_.runs()) return EAGAIN;
+  const std::int64_t until_us = time_.now_us();
+  if (until_us - time_.sent_us() < kPacket_us) return EAGAIN;
   make_stream(until_us, most, data);
   return 0;
 }
@@ -118,41 +109,37 @@ int EmulatedDavis::in(std::uint8_t, std::size_t most, Bytes& data) {
 void EmulatedDavis::put_time(std::int64_t t_us, Bytes& data) {
   const std::int64_t wraps = t_us / kWrap_us;
   if (wraps > wraps_sent_) {
-    put(0x7000 + static_cast<std::uint32_t>(std::min<std::int64_t>(wraps - wraps_sent_, 0xfff)), data);
+    add_u16(data, 0x7000 + static_cast<std::uint32_t>(std::min<std::int64_t>(wraps - wraps_sent_, 0xfff)));
     wraps_sent_ = wraps;
   }
-  put(0x8000 + static_cast<std::uint32_t>(t_us % kWrap_us), data);
+  add_u16(data, 0x8000 + static_cast<std::uint32_t>(t_us % kWrap_us));
 }
 
-// What does not fit into this packet waits for the next one: nothing is lost by the model itself.
 void EmulatedDavis::make_stream(std::int64_t until_us, std::size_t most, Bytes& data) {
-  if (has_reset_) put(0x0001, data);
+  if (has_reset_) add_u16(data, 0x0001);
   has_reset_ = false;
-  const bool has_pixels = runs(kDvsRun);
-  const auto first_event = static_cast<std::uint64_t>(static_cast<double>(sent_us_) / period_us_);
-  std::int64_t t_us = sent_us_;
-  for (std::uint64_t k = first_event; has_pixels && data.size() + kLongestSample < most; ++k) {
-    const auto event_us = static_cast<std::int64_t>(static_cast<double>(k + 1) * period_us_);
-    if (event_us > until_us) break;
-    if (event_us <= sent_us_) continue;
-    t_us = event_us;
+  const auto has_room = [&] { return data.size() + kLongestSample < most; };
+  std::int64_t t_us = time_.sent_us();
+  for (; feed_.next().t_us <= until_us && has_room(); feed_.take()) {
+    const Event& event = feed_.next();
+    t_us = event.t_us;
     put_time(t_us, data);
-    put(0x1000 + static_cast<std::uint32_t>(next_event_ / kWidth_px % kHeight_px), data);
-    put((next_event_ % 2 == 0 ? 0x2000u : 0x3000u) + static_cast<std::uint32_t>(next_event_ % kWidth_px),
-        data);
-    ++next_event_;
+    add_u16(data, 0x1000u + event.y);
+    add_u16(data, (event.polarity == 0 ? 0x2000u : 0x3000u) + event.x);
   }
-  const bool is_full = has_pixels && data.size() + kLongestSample >= most;
-  sent_us_ = is_full ? t_us : until_us;
-  if (!is_full) put_time(until_us, data);
-  if (runs(kGyroRun) && sent_us_ >= next_imu_us_ && data.size() + kLongestSample < most) {
-    put(0x0005, data);
-    put(0x5300 + 0xE5, data);  // all parts, +-4 g, +-500 deg/s
+  if (has_room()) {
+    put_time(until_us, data);
+    t_us = until_us;
+  }
+  time_.send(t_us);
+  if (runs(kGyroRun) && t_us >= next_imu_us_ && has_room()) {
+    add_u16(data, 0x0005);
+    add_u16(data, 0x5300 + 0xE5);  // all parts, +-4 g, +-500 deg/s
     const std::uint8_t values[14] = {0x20, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x01, 0x48};
-    for (const std::uint8_t value : values) put(0x5000u + value, data);
-    put(0x0007, data);
-    next_imu_us_ = sent_us_ + 1000;
+    for (const std::uint8_t value : values) add_u16(data, 0x5000u + value);
+    add_u16(data, 0x0007);
+    next_imu_us_ = t_us + 1000;
   }
 }
 
-}  // namespace hil
+}  // namespace egofocus::hil

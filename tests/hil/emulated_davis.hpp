@@ -6,19 +6,21 @@
 #include <map>
 #include <mutex>
 
+#include "hil/camera_time.hpp"
 #include "hil/emulated_usb.hpp"
+#include "hil/event_feed.hpp"
 
-namespace hil {
+namespace egofocus::hil {
 
-/// Streams while it runs: `rate_hz` events, evenly, event k at pixel (k % 346, k / 346 % 260) with polarity
-/// k % 2, so that a listener sees a missing one; IMU samples at 1 kHz while its IMU runs; wraps. Short
-/// packets of 1 ms. Its clock is CLOCK_MONOTONIC since the last reset of time. Source: libcaer, src/davis.c.
+/// Streams while it runs: the feed's events; IMU samples at 1 kHz while its IMU runs; wraps. Short packets of
+/// 1 ms; what nobody asks for waits, nothing is lost by the model itself. Source: libcaer, src/davis.c.
 class EmulatedDavis : public EmulatedUsb {
  public:
   static constexpr int kWidth_px = 346;
   static constexpr int kHeight_px = 260;
 
-  explicit EmulatedDavis(double rate_hz);
+  /// `feed` outlives the camera.
+  explicit EmulatedDavis(EventFeed& feed);
   ~EmulatedDavis() override { unplug(); }
 
   /// Faults. Thread: any.
@@ -26,8 +28,7 @@ class EmulatedDavis : public EmulatedUsb {
   void hold(bool is_held) { is_held_ = is_held; }
   void set_logic_version(std::uint32_t version);
   void set_dropped(std::uint64_t events);
-  /// CLOCK_MONOTONIC (us) at which its time was 0.
-  [[nodiscard]] std::int64_t zero_us() const { return zero_us_; }
+  [[nodiscard]] CameraTime& time() { return time_; }
 
  protected:
   bool control(const Setup& setup, Bytes& data) override;
@@ -40,17 +41,15 @@ class EmulatedDavis : public EmulatedUsb {
   void make_stream(std::int64_t until_us, std::size_t most, Bytes& data);
   void put_time(std::int64_t t_us, Bytes& data);
 
-  double period_us_;
+  EventFeed& feed_;
   mutable std::mutex mutex_;
   std::map<std::uint32_t, std::uint32_t> parameters_;
+  CameraTime time_;
   bool has_reset_ = false;  // the mark is still to be sent
-  std::int64_t sent_us_ = 0;
   std::int64_t wraps_sent_ = 0;
-  std::uint64_t next_event_ = 0;
   std::int64_t next_imu_us_ = 0;
-  std::atomic<std::int64_t> zero_us_{0};
   std::atomic<bool> is_halted_{false};
   std::atomic<bool> is_held_{false};
 };
 
-}  // namespace hil
+}  // namespace egofocus::hil

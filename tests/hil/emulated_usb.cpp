@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <cstring>
 
-namespace hil {
+namespace egofocus::hil {
 
 struct EmulatedUsb::Header {
   std::uint32_t command = 0;
@@ -31,6 +31,7 @@ constexpr std::uint32_t kSubmitAnswer = 3;
 constexpr std::uint32_t kUnlinkAnswer = 4;
 constexpr std::uint32_t kNoPackets = 0xffffffff;
 constexpr std::uint8_t kIn = 0x80;
+constexpr int kHighSpeed = 3;  // linux/usb/ch9.h
 
 template <typename Header>
 Header swapped(Header header) {
@@ -44,10 +45,16 @@ Header swapped(Header header) {
 
 }  // namespace
 
-EmulatedUsb::EmulatedUsb(Bytes device_descriptor, Bytes configuration, std::vector<std::string> texts)
-    : device_descriptor_(std::move(device_descriptor)),
-      configuration_(std::move(configuration)),
-      texts_(std::move(texts)) {
+void add_u16(Bytes& bytes, std::uint32_t value) {
+  for (int i = 0; i < 2; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+}
+
+void add_u32(Bytes& bytes, std::uint32_t value) {
+  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+}
+
+EmulatedUsb::EmulatedUsb(UsbIdentity identity, Bytes configuration)
+    : identity_(std::move(identity)), configuration_(std::move(configuration)) {
   configuration_[2] = static_cast<std::uint8_t>(configuration_.size());
   configuration_[3] = static_cast<std::uint8_t>(configuration_.size() >> 8);
 }
@@ -57,13 +64,25 @@ bool EmulatedUsb::plug(int port) {
   if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) return false;
   std::FILE* attach = std::fopen("/sys/devices/platform/vhci_hcd.0/attach", "w");
   if (attach == nullptr) return false;
-  std::fprintf(attach, "%d %d %d %d\n", port, ends[1], 0x10001 + port, static_cast<int>(Speed::kHigh));
+  std::fprintf(attach, "%d %d %d %d\n", port, ends[1], 0x10001 + port, kHighSpeed);
   const bool is_taken = std::fclose(attach) == 0;
   close(ends[1]);  // the kernel holds its own reference
+  if (!is_taken) {
+    close(ends[0]);
+    return false;
+  }
   socket_ = ends[0];
   is_leaving_ = false;
-  if (is_taken) thread_ = std::thread([this] { serve(); });
-  return is_taken;
+  thread_ = std::thread([this] { serve(); });
+  return true;
+}
+
+bool EmulatedUsb::plug_when_free(int port) {
+  for (int i = 0; i < 1000; ++i) {
+    if (plug(port)) return true;
+    usleep(20'000);
+  }
+  return false;
 }
 
 void EmulatedUsb::unplug() {
@@ -128,23 +147,7 @@ bool EmulatedUsb::take_message() {
   Header header;
   if (!move(&header, sizeof header, false)) return false;
   header = swapped(header);
-  if (header.command == kUnlink) {
-    int status = 0;  // 0: it had ended before
-    for (auto& [endpoint, queue] : pending_) {
-      for (auto at = queue.begin(); at != queue.end(); ++at) {
-        if (at->sequence != header.words[0]) continue;
-        queue.erase(at);
-        status = -ECONNRESET;
-        break;
-      }
-    }
-    Header answer;
-    answer.command = kUnlinkAnswer;
-    answer.sequence = header.sequence;
-    answer.words[0] = static_cast<std::uint32_t>(status);
-    answer = swapped(answer);
-    return move(&answer, sizeof answer, true);
-  }
+  if (header.command == kUnlink) return cancel(header);
   if (header.command != kSubmit) return false;
   Bytes data;
   if (header.direction == 0 && header.words[1] > 0) {
@@ -152,9 +155,30 @@ bool EmulatedUsb::take_message() {
     if (!move(data.data(), data.size(), false)) return false;
   }
   if (header.endpoint == 0) return answer_control(header, std::move(data));
-  if (header.direction == 0) return reply(header.sequence, 0, {}, header.words[1]);
+  if (header.direction == 0) {
+    out(static_cast<std::uint8_t>(header.endpoint), data);
+    return reply(header.sequence, 0, {}, header.words[1]);
+  }
   pending_[static_cast<std::uint8_t>(header.endpoint)].push_back({header.sequence, header.words[1]});
   return true;
+}
+
+bool EmulatedUsb::cancel(const Header& header) {
+  int status = 0;  // 0: it had ended before
+  for (auto& [endpoint, queue] : pending_) {
+    for (auto at = queue.begin(); at != queue.end(); ++at) {
+      if (at->sequence != header.words[0]) continue;
+      queue.erase(at);
+      status = -ECONNRESET;
+      break;
+    }
+  }
+  Header answer;
+  answer.command = kUnlinkAnswer;
+  answer.sequence = header.sequence;
+  answer.words[0] = static_cast<std::uint32_t>(status);
+  answer = swapped(answer);
+  return move(&answer, sizeof answer, true);
 }
 
 bool EmulatedUsb::answer_control(const Header& header, Bytes data) {
@@ -201,35 +225,31 @@ bool EmulatedUsb::standard_request(const Setup& setup, Bytes& data) {
       data = {0};
       return true;
     case kGetDescriptor:
-      break;
-    default:
-      return false;
-  }
-  const std::size_t index = setup.value & 0xff;
-  switch (setup.value >> 8) {
-    case 1:
-      data = device_descriptor_;
-      return true;
-    case 2:
-      data = configuration_;
-      return true;
-    case 3: {
-      if (index > texts_.size()) return false;
-      if (index == 0) {
-        data = {4, 3, 0x09, 0x04};
-        return true;
-      }
-      const std::string& text = texts_[index - 1];
-      data = {static_cast<std::uint8_t>(2 + 2 * text.size()), 3};
-      for (const char letter : text) {
-        data.push_back(static_cast<std::uint8_t>(letter));
-        data.push_back(0);
-      }
-      return true;
-    }
+      return descriptor(setup.value >> 8, setup.value & 0xff, data);
     default:
       return false;
   }
 }
 
-}  // namespace hil
+bool EmulatedUsb::descriptor(int type, std::size_t index, Bytes& data) const {
+  enum Type { kDevice = 1, kConfiguration = 2, kText = 3 };
+  if (type == kDevice) {
+    const std::uint8_t* const kind = identity_.device_class;
+    data = {18, kDevice, 0, 2, kind[0], kind[1], kind[2], 64};
+    for (const std::uint16_t v : {identity_.vendor, identity_.product, identity_.release}) add_u16(data, v);
+    data.insert(data.end(), {1, 2, 3, 1});
+  } else if (type == kConfiguration) {
+    data = configuration_;
+  } else if (type == kText && index == 0) {
+    data = {4, kText, 0x09, 0x04};  // English
+  } else if (type == kText && index <= identity_.texts.size()) {
+    const std::string& text = identity_.texts[index - 1];
+    data = {static_cast<std::uint8_t>(2 + 2 * text.size()), kText};
+    for (const char letter : text) add_u16(data, static_cast<std::uint8_t>(letter));
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace egofocus::hil

@@ -1,54 +1,36 @@
-// The SocketCAN source on a USB adapter (gs_usb_device) behind the kernel's gs_usb driver: hardware time
+// The SocketCAN source on an emulated USB adapter behind the kernel's gs_usb driver: hardware time
 // stamps, error states, bus-off with and without a restart, unplugging.
-#include <fcntl.h>
-
 #include <algorithm>
 
 #include "hil/can_bench.hpp"
 #include "hil/can_link.hpp"
+#include "hil/emulated_can_adapter.hpp"
 
 using namespace egofocus;
 using namespace egofocus::hil;
 
 namespace {
 
-constexpr const char* kPipe = "/tmp/adapter";
+constexpr std::uint8_t kYaw[] = {0xf4, 0x01};
 
-void tell(const std::string& line) {
-  const int fd = open(kPipe, O_WRONLY | O_NONBLOCK);
-  const std::string whole = line + "\n";
-  if (fd < 0 || write(fd, whole.data(), whole.size()) != static_cast<ssize_t>(whole.size()))
-    std::printf("       the adapter does not take `%s`\n", line.c_str());
-  if (fd >= 0) close(fd);
+void plug_in(EmulatedCanAdapter& adapter) {
+  REQUIRE(adapter.plug_when_free());
+  REQUIRE(raise_can("can0"));
 }
 
-bool appears(const char* name, bool there) {
-  for (int i = 0; i < 1000; ++i) {
-    if ((if_nametoindex(name) != 0) == there) return true;
-    usleep(20000);
-  }
-  return false;
-}
-
-void plug_in_adapter() {
-  shell(std::string("hil_gs_usb_device ") + kPipe + " &");
-  REQUIRE(appears("can0", true));
-  REQUIRE(set_can_bitrate("can0", 500000) == 0);
-  shell("ip link set can0 up");
-}
-
-CanBusState state_after(Bench& bench, const char* error_line) {
+CanBusState state_after(Bench& bench, EmulatedCanAdapter& adapter, std::uint32_t classes,
+                        std::initializer_list<std::uint8_t> data = {}) {
   const std::uint64_t before = bench.health().errors.frames;
-  tell(error_line);
+  adapter.error(classes, data);
   for (int i = 0; i < 2000 && bench.health().errors.frames == before; ++i) bench.poll_for(1);
   return bench.health().bus;
 }
 
-void frames_by_the_adapters_clock(Bench& bench) {
+void frames_by_the_adapters_clock(Bench& bench, EmulatedCanAdapter& adapter) {
   std::int64_t worst_early_us = 0, worst_late_us = 0;
   for (std::uint64_t i = 1; i <= 300; ++i) {
     const std::int64_t sent_us = now_us();
-    tell("frame 7 f401");
+    adapter.frame(7, kYaw);
     if (!bench.poll_until_frames(i)) break;
     const std::int64_t read_us = now_us();
     for (const ImuSample& sample : bench.imu()) {
@@ -76,18 +58,19 @@ void frames_by_the_adapters_clock(Bench& bench) {
 
 int main() {
   shell("modprobe can-raw && modprobe vhci-hcd && modprobe gs_usb");
-  plug_in_adapter();
+  EmulatedCanAdapter adapter;
+  plug_in(adapter);
   {
     Bench bench(config_of("can0"));
     REQUIRE(bench.source.start().ok());
     EXPECT(bench.health().link == CanLink::kUp);
-    frames_by_the_adapters_clock(bench);
+    frames_by_the_adapters_clock(bench, adapter);
 
-    EXPECT(state_after(bench, "error 4 0008") == CanBusState::kWarning);
-    EXPECT(state_after(bench, "error 4 0020") == CanBusState::kPassive);
-    EXPECT(state_after(bench, "error 4 0001") == CanBusState::kPassive);
+    EXPECT(state_after(bench, adapter, 4, {0, 8}) == CanBusState::kWarning);
+    EXPECT(state_after(bench, adapter, 4, {0, 0x20}) == CanBusState::kPassive);
+    EXPECT(state_after(bench, adapter, 4, {0, 1}) == CanBusState::kPassive);
     EXPECT(bench.health().errors.rx_overflows == 1);
-    EXPECT(state_after(bench, "error 40 00") == CanBusState::kOff);
+    EXPECT(state_after(bench, adapter, 0x40) == CanBusState::kOff);
     bench.poll_for(500000);
     EXPECT(bench.health().bus == CanBusState::kOff);
     EXPECT(bench.health().link == CanLink::kUp);
@@ -103,26 +86,26 @@ int main() {
   REQUIRE(bench.source.start().ok());
   std::uint64_t frames = 0;
   for (std::uint64_t i = 1; i <= 5; ++i) {
-    (void)state_after(bench, "error 40 00");
+    (void)state_after(bench, adapter, 0x40);
     for (int k = 0; k < 2000 && bench.health().restarts < i; ++k) bench.poll_for(1);
     EXPECT(bench.health().restarts == i);
     bench.poll_for(500000);  // the socket tells of the way down and up
     EXPECT(bench.poll_until_link(CanLink::kUp));
     EXPECT(bench.health().bus == CanBusState::kActive);
-    tell("frame 7 f401");
+    adapter.frame(7, kYaw);
     EXPECT(bench.poll_until_frames(++frames));
   }
   for (int i = 0; i < 5; ++i) {
-    tell("unplug");
+    adapter.unplug();
     EXPECT(bench.poll_until_link(CanLink::kGone));
     EXPECT(appears("can0", false));
-    plug_in_adapter();
+    plug_in(adapter);
     EXPECT(bench.poll_until_link(CanLink::kUp));
-    tell("frame 7 f401");
+    adapter.frame(7, kYaw);
     EXPECT(bench.poll_until_frames(++frames));
   }
   EXPECT(bench.health().link_losses == 5);
   EXPECT(bench.bad_polls == 0);
-  tell("unplug");
+  adapter.unplug();
   return failures != 0;
 }

@@ -139,6 +139,63 @@ TEST_CASE("a source that never gets on costs a bounded number of polls, and the 
   CHECK(engine->health().ticks.run == 3);
 }
 
+TEST_CASE("by the devices' time a tick waits for its sources however long, and gives what a replay gives") {
+  const auto hash_of = [](SceneSource& scene, const Source& source, ClockKind clock) {
+    EngineInBlock engine(SlidingScene::config());
+    REQUIRE(engine->attach(source).ok());
+    REQUIRE(engine->start(clock, 50'000).ok());
+    test::FrameHash hash;
+    for (DepthFrame frame; engine->tick();) {
+      REQUIRE(engine->newest(frame));
+      hash.add(frame);
+    }
+    CHECK(scene.at_us == scene.end_us);
+    return hash.value();
+  };
+  SceneSource replayed;
+  replayed.end_us = 420'000;
+  SceneSource live;
+  live.end_us = 420'000;
+  struct Slow {
+    SceneSource& scene;
+    int polls = 0;
+    std::int64_t shortest_us = INT64_MAX;
+  } slow{live};
+  Source source;
+  source.self = &slow;
+  // Most polls bring nothing; one that does brings more than was asked for.
+  source.poll = [](void* self, Inlets& inlets, std::int64_t, std::int64_t timeout_us) noexcept {
+    auto& s = *static_cast<Slow*>(self);
+    s.shortest_us = std::min(s.shortest_us, timeout_us);
+    if (++s.polls % 300 != 0) return Delivery{s.scene.at_us, false, {}};
+    return s.scene.poll(inlets, INT64_MAX);
+  };
+  const std::uint64_t expected = hash_of(replayed, replayed.source(), ClockKind::kVirtual);
+  CHECK(hash_of(live, source, ClockKind::kDevice) == expected);
+  CHECK(slow.polls >= 300 * 60);
+  CHECK(slow.shortest_us > 0);
+}
+
+TEST_CASE("by the devices' time request_stop ends a tick that waits") {
+  std::atomic<int> polls{0};
+  Source source;
+  source.self = &polls;
+  source.poll = [](void* self, Inlets&, std::int64_t, std::int64_t) noexcept {
+    static_cast<std::atomic<int>*>(self)->fetch_add(1);
+    return Delivery{};
+  };
+  EngineInBlock engine(SlidingScene::config());
+  REQUIRE(engine->attach(source).ok());
+  REQUIRE(engine->start(ClockKind::kDevice, 0).ok());
+  std::thread other([&] {
+    while (polls.load() < 1000) std::this_thread::yield();
+    engine->request_stop();
+  });
+  CHECK_FALSE(engine->tick());
+  other.join();
+  CHECK(engine->health().ticks.run == 0);
+}
+
 TEST_CASE("a source that has ended before the first tick: no tick at all") {
   Source source;
   source.poll = [](void*, Inlets&, std::int64_t, std::int64_t) noexcept {
