@@ -16,6 +16,8 @@ template <int kPixelCount, int kUnitCount>
 struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
+  static constexpr int kStreams = 1;
+  using Runs = const ConvRuns&;
   static constexpr bool kStartsEmpty = false;
   static constexpr bool kTakesRows = true;
   int32x4_t acc[kPixels][kUnits];
@@ -25,7 +27,7 @@ struct Tile {
     EGOFOCUS_UNROLL
     for (int u = 0; u < kUnits; ++u) {
       EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) acc[p][u] = vreinterpretq_s32_s8(q.at[u]);
+      for (int p = 0; p < kPixels; ++p) acc[p][u] = vreinterpretq_s32_s8(q.val[u]);
     }
   }
 
@@ -36,7 +38,7 @@ struct Tile {
     EGOFOCUS_UNROLL
     for (int u = 0; u < kUnits; ++u) {
       EGOFOCUS_UNROLL
-      for (int p = 0; p < kPixels; ++p) acc[p][u] = vdotq_laneq_s32(acc[p][u], w.at[u], x[p], kLane);
+      for (int p = 0; p < kPixels; ++p) acc[p][u] = vdotq_laneq_s32(acc[p][u], w.val[u], x[p], kLane);
     }
   }
 
@@ -74,7 +76,7 @@ struct Tile {
   }
 
   template <bool kFirst>
-  EGOFOCUS_INLINE void add_row_of_eights(const std::int8_t* from, const std::int8_t*& weights) noexcept {
+  EGOFOCUS_INLINE void add_row_of_eights(const std::int8_t* from, const std::int8_t** weights) noexcept {
     int8x16_t x[(kPixels + 3) / 2];
     EGOFOCUS_UNROLL
     for (int i = 0; i < (kPixels + 2) / 2; ++i) x[i] = vld1q_s8(from + 16 * i);
@@ -84,7 +86,7 @@ struct Tile {
     for (int group = 0; group < 6; ++group) {
       int8x16_t w[kUnits];
       EGOFOCUS_UNROLL
-      for (int u = 0; u < kUnits; ++u) w[u] = vld1q_s8(weights + 64 * group + 16 * u);
+      for (int u = 0; u < kUnits; ++u) w[u] = vld1q_s8(*weights + 64 * group + 16 * u);
       EGOFOCUS_UNROLL
       for (int p = 0; p < kPixels; ++p) {
         const int four = 2 * p + group;
@@ -92,7 +94,7 @@ struct Tile {
         for (int u = 0; u < kUnits; ++u) acc[p][u] = dot_lane(acc[p][u], w[u], x[four / 4], four % 4);
       }
     }
-    go_on(weights, 384);
+    go_on(*weights, 384);
   }
 
   template <bool kAdd>
@@ -100,7 +102,7 @@ struct Tile {
     const Quads<kUnits> q = load_quads<kUnits>(scales);
     float32x4_t scale[kUnits];
     EGOFOCUS_UNROLL
-    for (int u = 0; u < kUnits; ++u) scale[u] = vreinterpretq_f32_s8(q.at[u]);
+    for (int u = 0; u < kUnits; ++u) scale[u] = vreinterpretq_f32_s8(q.val[u]);
     EGOFOCUS_UNROLL
     for (int p = 0; p < kPixels; ++p) leave_bytes<kUnits, kAdd>(leaving, narrow_units<kUnits>(acc[p], scale));
   }

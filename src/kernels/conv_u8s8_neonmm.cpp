@@ -17,8 +17,8 @@ EGOFOCUS_INLINE void twice(const void* words, Quads<kCount>& both) noexcept {
   const Quads<kCount / 2> q = load_quads<kCount / 2>(words);
   EGOFOCUS_UNROLL
   for (int o = 0; o < kCount; o += 2) {
-    both.at[o] = join_low(q.at[o / 2], q.at[o / 2]);
-    both.at[o + 1] = join_high(q.at[o / 2], q.at[o / 2]);
+    both.val[o] = join_low(q.val[o / 2], q.val[o / 2]);
+    both.val[o + 1] = join_high(q.val[o / 2], q.val[o / 2]);
   }
 }
 
@@ -28,6 +28,8 @@ template <int kPixelCount, int kUnitCount>
 struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
+  static constexpr int kStreams = 1;
+  using Runs = const ConvRuns&;
   static constexpr bool kStartsEmpty = false;
   static constexpr bool kTakesRows = true;
   static constexpr int kPairs = (kPixels + 1) / 2;
@@ -37,11 +39,11 @@ struct Tile {
 
   EGOFOCUS_INLINE void start(const std::int32_t* bias) noexcept {
     Quads<kColumns> both;
-    twice(bias, both);
+    twice<kColumns>(bias, both);
     EGOFOCUS_UNROLL
     for (int o = 0; o < kColumns; ++o) {
       EGOFOCUS_UNROLL
-      for (int p = 0; p < kPairs; ++p) acc[p][o] = vreinterpretq_s32_s8(both.at[o]);
+      for (int p = 0; p < kPairs; ++p) acc[p][o] = vreinterpretq_s32_s8(both.val[o]);
     }
   }
 
@@ -52,7 +54,7 @@ struct Tile {
     EGOFOCUS_UNROLL
     for (int o = 0; o < kAtOnce; ++o) {
       EGOFOCUS_UNROLL
-      for (int p = 0; p < kPairs; ++p) acc[p][kFirst + o] = vmmlaq_s32(acc[p][kFirst + o], pairs[p], w.at[o]);
+      for (int p = 0; p < kPairs; ++p) acc[p][kFirst + o] = vmmlaq_s32(acc[p][kFirst + o], pairs[p], w.val[o]);
     }
   }
 
@@ -87,8 +89,8 @@ struct Tile {
       go_on(input[2 * p + 1], 32);
       EGOFOCUS_UNROLL
       for (int i = 0; i < 2; ++i) {
-        pairs[2 * i][p] = join_low(a.at[i], b.at[i]);
-        pairs[2 * i + 1][p] = join_high(a.at[i], b.at[i]);
+        pairs[2 * i][p] = join_low(a.val[i], b.val[i]);
+        pairs[2 * i + 1][p] = join_high(a.val[i], b.val[i]);
       }
     }
   }
@@ -151,7 +153,7 @@ struct Tile {
 
   /// Two neighbours' bytes lie side by side.
   template <bool kFirst>
-  EGOFOCUS_INLINE void add_row_of_eights(const std::int8_t* from, const std::int8_t*& weights) noexcept {
+  EGOFOCUS_INLINE void add_row_of_eights(const std::int8_t* from, const std::int8_t** weights) noexcept {
     int8x16_t even[kPairs + 1];
     int8x16_t odd[kPairs];
     EGOFOCUS_UNROLL
@@ -161,9 +163,9 @@ struct Tile {
     }
     const std::int8_t* last = from + 16 * kPairs;
     even[kPairs] = kPixels % 2 != 0 ? vcombine_s8(vld1_s8(last), vdup_n_s8(0)) : vld1q_s8(last);
-    add_group(even, weights);
-    add_group(odd, weights);
-    add_group(even + 1, weights);
+    add_group(even, *weights);
+    add_group(odd, *weights);
+    add_group(even + 1, *weights);
   }
 
   template <bool kAdd>
@@ -171,10 +173,10 @@ struct Tile {
     constexpr int kHalves = kColumns / kAtOnce;
     int8x16_t bytes[kPairs][kHalves];  // two outputs of a pixel, two of the next one
     Quads<kColumns> both;
-    twice(scales, both);
+    twice<kColumns>(scales, both);
     float32x4_t scale[kColumns];
     EGOFOCUS_UNROLL
-    for (int o = 0; o < kColumns; ++o) scale[o] = vreinterpretq_f32_s8(both.at[o]);
+    for (int o = 0; o < kColumns; ++o) scale[o] = vreinterpretq_f32_s8(both.val[o]);
     EGOFOCUS_UNROLL
     for (int p = 0; p < kPairs; ++p) {
       EGOFOCUS_UNROLL
