@@ -6,9 +6,9 @@ namespace egofocus::citysim {
 
 HypothesisLadder true_ladder(const World& world, std::int64_t end_us) {
   constexpr int kSteps = kLongestWindowUs / 10000;
-  std::vector<CameraMotion> motion;
+  std::vector<MotionSample> motion;
   for (int i = 0; i <= kSteps; ++i) {
-    CameraMotion at;
+    MotionSample at;
     at.t_us = end_us - kLongestWindowUs + kLongestWindowUs * i / kSteps;
     const RigidState state = world.camera_at(1e-6 * static_cast<double>(at.t_us));
     for (std::size_t k = 0; k < 3; ++k) {
