@@ -5,7 +5,7 @@ usage: bench/model_loops.py [--tick FILE [--threads FILE]]
        bench/model_loops.py --count OBJDUMP OBJECT...
 
 The first form takes the bodies of conv_u8s8 that bench/count_instructions.py compiled with g++, finds in each the loop with
-the most multiplications, and prints its share of the multiplier's peak on each core; operands in the first cache are
+the most multiplications for an instruction, and prints its share of the multiplier's peak on each core; operands in the first cache are
 assumed, as llvm-mca does. --tick FILE, of `count_instructions.py --tick --json FILE`, projects the time of a tick; --threads FILE, of
 the same with --threads N, that on N cores, of which none waits for memory or to be woken.
 The second form counts the longest loop of each requantisation candidate: one straight loop each.
@@ -84,7 +84,7 @@ def multiply_adds(loop):
 
 
 def hottest_loop(objdump, path, symbol):
-    """Of the innermost loops of one function the one with the most multiplications."""
+    """Of the innermost loops of one function the one with the most multiplications for an instruction."""
     innermost = []
     for name, body in functions(objdump, path):
         if symbol not in name:
@@ -92,7 +92,7 @@ def hottest_loop(objdump, path, symbol):
         found = list(loops(body))
         innermost += [loop for loop in found if not any(other[0][0] >= loop[0][0] and other[-1][0] < loop[-1][0]
                                                         for other in found)]
-    return max(innermost, key=multiply_adds)
+    return max(innermost, key=lambda loop: multiply_adds(loop) / len(loop))
 
 
 def cycles(mca, cpu, loop):
@@ -130,14 +130,14 @@ def model(mca, build):
 
 def project(rate, tick, spread):
     several = f"{spread['threads']} cores".rjust(12) if spread else ""
-    print(f"\n{'board':18}{'core':12}{'GHz':>5}{'convolutions':>14}{'rest':>8}{'IPC of rest':>13}{'tick':>8}{'rate':>9}{several}")
+    print(f"\n{'board':18}{'core':12}{'GHz':>5}{'convolutions':>14}{'rest':>8}{'IPC of rest':>13}{'tick':>10}{'rate':>9}{several}")
     for board, core, clock_ghz, rest_rate in BOARDS:
         counted = tick["neon" if core == "Cortex-A72" else "neondot"]
         convolutions_ms = counted["convolutions"] / rate[core] / clock_ghz / 1e6
         rest_ms = counted["rest"] / rest_rate / clock_ghz / 1e6
         whole_ms = convolutions_ms + rest_ms
         print(f"{board:18}{core:12}{clock_ghz:5.1f}{convolutions_ms:11.1f} ms{rest_ms:5.1f} ms{rest_rate:13.1f}"
-              f"{whole_ms:5.1f} ms{1000 / whole_ms:6.1f} Hz" + (f"{1000 / whole_ms * spread['gain']:9.1f} Hz" if spread else ""))
+              f"{whole_ms:7.1f} ms{1000 / whole_ms:6.1f} Hz" + (f"{1000 / whole_ms * spread['gain']:9.1f} Hz" if spread else ""))
 
 
 def main():

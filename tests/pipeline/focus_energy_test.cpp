@@ -90,6 +90,25 @@ TEST_CASE("cell sums with a single large count are those of unsigned integers") 
   }
 }
 
+// Four times 128 squared is 2^16.
+TEST_CASE("cell sums of one column of equal counts are whole") {
+  constexpr int kWidth = 40;
+  constexpr int kHeight = 12;
+  for (const int count : {127, 128, 129, 181, 255}) {
+    CAPTURE(count);
+    std::vector<std::uint8_t> plane(static_cast<std::size_t>(kWidth * kHeight));
+    for (int y = 0; y < kHeight; ++y)
+      plane[static_cast<std::size_t>(y * kWidth + 18)] = static_cast<std::uint8_t>(count);
+    Maps maps(30);
+    std::vector<std::uint32_t> scratch(4 * kWidth);
+    sum_cells(plane, kWidth, kHeight, scratch, maps.sums);
+    for (std::size_t cell = 4; cell < 30; cell += 10) {
+      CHECK(maps.sums.squares[cell] == std::min(65535, 4 * count * (count - 1)));
+      CHECK(maps.sums.gradient_x[cell] == std::min(65535, 8 * count * count));
+    }
+  }
+}
+
 TEST_CASE("gathered maps have the same sum, and say whether it takes both") {
   std::vector<std::uint16_t> first = {0, 1, 65535, 40000, 65535, 0, 7, 65534, 3};
   std::vector<std::uint16_t> second = {0, 2, 0, 40000, 65535, 65535, 8, 1, 4};
