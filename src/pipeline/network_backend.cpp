@@ -46,38 +46,14 @@ std::int32_t smaller(std::int32_t a, std::int32_t b) noexcept {
 }  // namespace
 
 StackLayout::StackLayout(const Intrinsics& grid, std::int32_t hypotheses, std::int32_t max_events,
-                         int threads) noexcept {
-  constexpr std::int32_t kGroup = Warp::kPlanesAtOnce;
-  const std::size_t plane = pixels_of(grid);
-  const std::size_t sums = FocusInput::sums_bytes(grid, 1);
-  sums_bytes = static_cast<std::size_t>(hypotheses) * sums;
-  at_once = smaller(hypotheses, ((hypotheses + 1) / 2 + kGroup - 1) / kGroup * kGroup);
-  placed = at_once;
-  line_events = smaller(max_events, kLeastLines);
-  lines_at = aligned(static_cast<std::size_t>(placed) * sums);
-  planes_at = lines_at + Warp::lines_bytes(line_events);
-  // The fewest whose planes make room for the sums of the others: with all of them there are no others.
-  early = 0;
-  while (planes_at + static_cast<std::size_t>(early) * plane < sums_bytes) {
-    ++early;
-    const std::size_t early_end = aligned(static_cast<std::size_t>(placed + early) * sums);
-    if (early_end > planes_at) planes_at = early_end;
-  }
-  while (line_events < max_events && lines_at + Warp::lines_bytes(line_events + 64) <= planes_at)
-    line_events += 64;
-  bytes = planes_at + static_cast<std::size_t>(at_once) * plane;
-
-  const std::int32_t few = smaller(hypotheses, kGroup * threads);
-  const std::size_t beyond_lines = aligned(sums_bytes) + Warp::lines_bytes(max_events);
-  const std::size_t by_few = beyond_lines + static_cast<std::size_t>(few) * plane;
-  if (by_few >= bytes) return;
-  at_once = few;
-  placed = hypotheses;
-  early = 0;
-  line_events = max_events;
-  lines_at = aligned(sums_bytes);
-  planes_at = beyond_lines;
-  bytes = by_few;
+                         int threads) noexcept
+    : at_once(smaller(hypotheses, Warp::kPlanesAtOnce * threads)),
+      placed((hypotheses - 1) / at_once * at_once),
+      lines_at(aligned(static_cast<std::size_t>(placed) * FocusInput::sums_bytes(grid, 1))),
+      planes_at(lines_at + Warp::lines_bytes(max_events)),
+      sums_bytes(FocusInput::sums_bytes(grid, hypotheses)) {
+  if (planes_at < aligned(sums_bytes)) planes_at = aligned(sums_bytes);
+  bytes = planes_at + static_cast<std::size_t>(at_once) * pixels_of(grid);
 }
 
 NetworkMemory::NetworkMemory(const Config& config, const Model& model, Arena& arena) noexcept
@@ -127,62 +103,49 @@ NetworkBackend::NetworkBackend(const Config& config, const Model& model, const K
     counts_[i] = memory.plan_.arena(memory.counts_id_[i]).array<std::uint8_t>(cell_grid(grid_).size());
 }
 
-void NetworkBackend::vote(Warp& warp, const WarpTask& task, WorkerPool& pool) noexcept {
-  used_ = task.ladder.count;
-  input_.begin(task.ladder, task.track.knots[0].centre_m);
-  warp.begin(task.ladder, pool.parts());
-  for (std::int32_t first = 0; first < used_; first += stack_.at_once) {
-    const std::int32_t count = smaller(used_ - first, stack_.at_once);
-    vote_planes(warp, task, {first, first + count}, pool);
-    if (first < stack_.placed) continue;
-    const std::int32_t early = smaller(count, stack_.early);
-    for (const auto& [from, end] : {Planes{0, early}, Planes{early, count}}) {
-      in_parts(pool, [&, from = from, size = end - from](int part, int parts) noexcept {
-        keep(first, {from + size * part / parts, from + size * (part + 1) / parts}, part);
-      });
+void NetworkBackend::vote(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+                          WorkerPool& pool) noexcept {
+  const std::size_t pixels = pixels_of(grid_);
+  used_ = ladder.count;
+  input_.begin(ladder, baseline_m);
+  // Each thread has its planes, and votes its share of the hypotheses that are placed in them; the others are
+  // shared out once more.
+  const std::int32_t placed = smaller(used_, stack_.placed);
+  const std::int32_t last = used_ - placed;
+  in_parts(pool, [&](int part, int parts) noexcept {
+    std::uint8_t* const planes =
+        planes_.data() + static_cast<std::size_t>(stack_.at_once * part / parts) * pixels;
+    const std::int32_t room = stack_.at_once * (part + 1) / parts - stack_.at_once * part / parts;
+    const std::int32_t end = placed * (part + 1) / parts;
+    std::int32_t count = 0;
+    for (std::int32_t first = placed * part / parts; first < end; first += count) {
+      count = smaller(end - first, room);
+      __builtin_memset(planes, 0, static_cast<std::size_t>(count) * pixels);
+      warp.add_votes(first, count, part, planes);
+      for (std::int32_t i = 0; i < count; ++i) keep(first + i, stack_.at_once * part / parts + i, part);
     }
-  }
+  });
+  if (last == 0) return;
+  in_parts(pool, [&](int part, int parts) noexcept {
+    const std::int32_t first = last * part / parts;
+    const std::int32_t count = last * (part + 1) / parts - first;
+    std::uint8_t* const planes = planes_.data() + static_cast<std::size_t>(first) * pixels;
+    __builtin_memset(planes, 0, static_cast<std::size_t>(count) * pixels);
+    if (count > 0) warp.add_votes(placed + first, count, part, planes);
+  });
+  in_parts(pool, [&](int part, int parts) noexcept {  // the lines are of no use any more
+    for (std::int32_t i = last * part / parts; i < last * (part + 1) / parts; ++i) keep(placed + i, i, part);
+  });
 }
 
-// Votes of all events for some hypotheses. Sums that have a place of their own are made while the planes are
-// still at hand.
-void NetworkBackend::vote_planes(Warp& warp, const WarpTask& task, Planes of, WorkerPool& pool) noexcept {
-  const std::int32_t first = of.begin;
-  const std::int32_t count = of.end - of.begin;
+// What the network is told of hypothesis k.
+void NetworkBackend::keep(std::int32_t k, std::int32_t plane, int part) noexcept {
   const std::size_t pixels = pixels_of(grid_);
-  const std::uint32_t events = task.selection.count;
-  const auto at_once = static_cast<std::uint32_t>(stack_.line_events);
-  for (std::uint32_t event = 0; event < events; event += at_once) {
-    const std::uint32_t some = events - event < at_once ? events - event : at_once;
-    if (first == 0 || events > at_once) {
-      in_parts(pool, [&](int part, int parts) noexcept {
-        warp.project_some(task, event, some, first == 0, part, parts);
-      });
-    }
-    in_parts(pool, [&](int part, int parts) noexcept {
-      const std::int32_t end = count * (part + 1) / parts;
-      std::int32_t planes = 0;
-      for (std::int32_t plane = count * part / parts; plane < end; plane += planes) {
-        planes = smaller(end - plane, Warp::kPlanesAtOnce);
-        std::uint8_t* const to = planes_.data() + static_cast<std::size_t>(plane) * pixels;
-        if (event == 0) __builtin_memset(to, 0, static_cast<std::size_t>(planes) * pixels);
-        warp.add_votes(first + plane, planes, part, to);
-        if (first < stack_.placed && event + some == events) keep(first, {plane, plane + planes}, part);
-      }
-    });
-  }
-}
-
-// What the network is told of some planes, the first of all being that of hypothesis `first`.
-void NetworkBackend::keep(std::int32_t first, Planes planes, int part) noexcept {
-  const std::size_t pixels = pixels_of(grid_);
-  const std::size_t half_plane = half_counts_bytes(cell_grid(grid_).size());
-  for (std::int32_t i = planes.begin; i < planes.end; ++i) {
-    const auto plane = planes_.subspan(static_cast<std::size_t>(i) * pixels, pixels);
-    input_.add_plane(first + i, plane, part);
-    halve_counts(plane, grid_.width_px, grid_.height_px, counts_[part]);
-    pack_half_counts(counts_[part], &half_[static_cast<std::size_t>(first + i) * half_plane]);
-  }
+  const auto counts = planes_.subspan(static_cast<std::size_t>(plane) * pixels, pixels);
+  input_.add_plane(k, counts, part);
+  halve_counts(counts, grid_.width_px, grid_.height_px, counts_[part]);
+  pack_half_counts(counts_[part],
+                   &half_[static_cast<std::size_t>(k) * half_counts_bytes(cell_grid(grid_).size())]);
 }
 
 }  // namespace egofocus

@@ -18,24 +18,17 @@ namespace egofocus {
 /// kModelMismatch for another grid. Other backends: nothing to do. RT: no (set-up).
 Status adopt_model(Config& config, Model& model_out) noexcept;
 
-/// One block for the landing lines, some planes of counts, and the sums that are made of all planes:
+/// One block for the landing lines, a few planes of counts, and the sums that are made of all planes:
 ///   [sums][lines][planes]
-/// in the smaller of two ways:
-/// - Half of the planes at once, lines of kLeastLines events or more, and a place of its own for the first
-///   half's sums alone. Those of the second half find room: a few where the lines were, which have all been
-///   voted by then, and the rest where the planes of those few were. A window of more events than there are
-///   lines for is projected anew for each half.
-/// - A few planes for each thread, all lines, all sums: on large grids, where a plane is more than lines are.
-/// Sums lie one after the other in the end.
+/// The sums of the hypotheses that are voted last take the place of the lines, which nobody needs any more by
+/// then: so sums lie one after the other, and there is room of their own for the others' alone.
 struct StackLayout {
-  static constexpr std::int32_t kLeastLines = 16'384;
   StackLayout(const Intrinsics& grid, std::int32_t hypotheses, std::int32_t max_events, int threads) noexcept;
 
-  std::int32_t at_once;      ///< hypotheses whose planes there are
-  std::int32_t placed;       ///< hypotheses whose sums have a place of their own: the first half, or all
-  std::int32_t early;        ///< those after them whose sums lie where the lines were
-  std::int32_t line_events;  ///< events whose lines there is room for
-  std::size_t lines_at;      ///< bytes from the block's begin
+  std::int32_t at_once;  ///< hypotheses whose planes there are: Warp::kPlanesAtOnce for each thread
+  std::int32_t
+      placed;  ///< hypotheses whose sums have a place of their own: all but the last at_once or fewer
+  std::size_t lines_at;  ///< bytes from the block's begin
   std::size_t planes_at;
   std::size_t sums_bytes;
   std::size_t bytes;
@@ -70,9 +63,10 @@ class NetworkBackend {
   NetworkBackend(const Config& config, const Model& model, const KernelTable& kernels,
                  const NetworkMemory& memory, Arena& arena) noexcept;
 
-  /// In this order, once a tick. vote(): projects and votes, some planes at a time, none of which is kept.
-  /// Thread: the tick. RT: yes.
-  void vote(Warp& warp, const WarpTask& task, WorkerPool& pool) noexcept;
+  /// In this order, once a tick. vote(): what `warp` has projected, a few planes at a time, none of which is
+  /// kept; baseline_m as in Focus::run(). Thread: the tick. RT: yes.
+  void vote(Warp& warp, const HypothesisLadder& ladder, const double (&baseline_m)[3],
+            WorkerPool& pool) noexcept;
   void prepare_input(WorkerPool& pool) noexcept { input_.finish(pool); }
   /// Valid until the next call.
   CellDepth run(WorkerPool& pool) noexcept {
@@ -80,13 +74,9 @@ class NetworkBackend {
   }
 
  private:
-  struct Planes {
-    std::int32_t begin, end;
-  };
   static FocusInput make_input(const Config& config, const Model& model, const NetworkMemory& memory,
                                Arena& arena) noexcept;
-  void vote_planes(Warp& warp, const WarpTask& task, Planes of, WorkerPool& pool) noexcept;
-  void keep(std::int32_t first, Planes planes, int part) noexcept;
+  void keep(std::int32_t k, std::int32_t plane, int part) noexcept;
 
   Intrinsics grid_;
   StackLayout stack_;

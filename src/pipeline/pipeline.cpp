@@ -13,7 +13,7 @@ std::optional<NetworkMemory> network_memory(const Config& config, const Model& m
 Warp make_warp(const Config& config, const KernelTable& kernels, const std::optional<NetworkMemory>& shared,
                Arena& arena) noexcept {
   if (!shared) return Warp(config, kernels, arena);
-  return Warp(config, kernels, arena, shared->stack().line_events, shared->lines());
+  return Warp(config, kernels, arena, shared->lines());
 }
 
 }  // namespace
@@ -124,20 +124,21 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
 
 CellDepth Pipeline::depth_of_cells(const EventWindow::Selection& selection, const HypothesisLadder& ladder,
                                    WorkerPool& pool, StageWatch& watch, StageTimes& stages) noexcept {
+  const double(&baseline_m)[3] = track_->knots[0].centre_m;
+  in_parts(pool, [&](int part, int parts) noexcept {
+    warp_.project(window_, selection, *track_, ladder, part, parts);
+  });
   CellDepth cells;
   if (network_) {
-    network_->vote(warp_, {window_, selection, *track_, ladder}, pool);
+    network_->vote(warp_, ladder, baseline_m, pool);
     stages.warp_us = watch.lap_us();
     network_->prepare_input(pool);
     stages.input_us = watch.lap_us();
     cells = network_->run(pool);
   } else {
-    in_parts(pool, [&](int part, int parts) noexcept {
-      warp_.project(window_, selection, *track_, ladder, part, parts);
-    });
     in_parts(pool, [this](int part, int parts) noexcept { warp_.vote(part, parts); });
     stages.warp_us = watch.lap_us();
-    cells = focus_->run(warp_, ladder, track_->knots[0].centre_m, pool);
+    cells = focus_->run(warp_, ladder, baseline_m, pool);
   }
   stages.backend_us = watch.lap_us();
   return cells;

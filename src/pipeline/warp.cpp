@@ -31,7 +31,8 @@ MotionKnot between(const MotionKnot& a, const MotionKnot& to_b, double share) no
   return out;
 }
 
-LandingLines take_lines(std::size_t events, bool with_time, Arena& arena) noexcept {
+LandingLines take_lines(std::int32_t max_events, bool with_time, Arena& arena) noexcept {
+  const auto events = static_cast<std::size_t>(max_events);
   LandingLines lines;
   lines.u_q16 = arena.array<std::int32_t>(events);
   lines.v_q16 = arena.array<std::int32_t>(events);
@@ -78,32 +79,30 @@ LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsic
   return line_of(ray, knot, grid, step_per_m, hypotheses);
 }
 
-std::size_t Warp::lines_bytes(std::int32_t line_events) noexcept {
+std::size_t Warp::lines_bytes(std::int32_t max_events) noexcept {
   Arena counter;
-  static_cast<void>(take_lines(static_cast<std::size_t>(line_events), false, counter));
+  static_cast<void>(take_lines(max_events, false, counter));
   return counter.used_bytes();
 }
 
 Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept
-    : Warp(config, kernels, arena, config.window.max_events) {
-  lines_ = take_lines(line_events_, true, arena);
-  take_scratch(config.threads, arena);
+    : Warp(RaysOnly{}, config, kernels, arena) {
+  lines_ = take_lines(config.window.max_events, true, arena);
   stack_ = arena.array<std::uint8_t>(pixels_ * static_cast<std::size_t>(hypotheses_));
+  take_scratch(config.threads, arena);
 }
 
-Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, std::int32_t line_events,
-           Arena lines) noexcept
-    : Warp(config, kernels, arena, line_events) {
-  lines_ = take_lines(line_events_, false, lines);
+Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena lines) noexcept
+    : Warp(RaysOnly{}, config, kernels, arena) {
+  lines_ = take_lines(config.window.max_events, false, lines);
   if (kernels.warp_vote.isa != Isa::kScalar) take_scratch(config.threads, arena);
 }
 
-Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, std::int32_t line_events) noexcept
+Warp::Warp(RaysOnly, const Config& config, const KernelTable& kernels, Arena& arena) noexcept
     : grid_(working_grid(config)),
       hypotheses_(config.ladder.hypotheses),
       pixels_(static_cast<std::size_t>(grid_.width_px) * static_cast<std::size_t>(grid_.height_px)),
-      vote_(kernels.warp_vote.run),
-      line_events_(static_cast<std::uint32_t>(line_events)) {
+      vote_(kernels.warp_vote.run) {
   const Intrinsics& sensor = config.camera.intrinsics;
   rays_ = arena.array<Ray>(static_cast<std::size_t>(sensor.width_px) *
                            static_cast<std::size_t>(sensor.height_px));
@@ -125,25 +124,12 @@ void Warp::prepare(std::span<const Ray> rays) noexcept {
 void Warp::project(const EventWindow& window, const EventWindow::Selection& selection,
                    const MotionTrack& track, const HypothesisLadder& ladder, int part, int parts) noexcept {
   if (part == 0) {
+    lines_.count = static_cast<std::int32_t>(selection.count);
     parts_ = parts;
     used_ = ladder.count;
   }
   counts_[part] = {};
-  project_some({window, selection, track, ladder}, 0, selection.count, true, part, parts);
-}
-
-void Warp::begin(const HypothesisLadder& ladder, int parts) noexcept {
-  parts_ = parts;
-  used_ = ladder.count;
-  for (PartCount& counts : counts_) counts = {};
-}
-
-void Warp::project_some(const WarpTask& task, std::uint32_t begin, std::uint32_t count, bool is_new, int part,
-                        int parts) noexcept {
-  EGOFOCUS_CHECK(count <= line_events_);
-  const auto& [window, selection, track, ladder] = task;
-  if (part == 0) lines_.count = static_cast<std::int32_t>(count);
-  const std::uint64_t n = count;
+  const std::uint64_t n = selection.count;
   const auto first =
       static_cast<std::uint32_t>(n * static_cast<unsigned>(part) / static_cast<unsigned>(parts));
   const auto last =
@@ -154,7 +140,7 @@ void Warp::project_some(const WarpTask& task, std::uint32_t begin, std::uint32_t
       length_us > 0 ? (MotionTrack::kKnots - 1) / static_cast<double>(length_us) : 0.0;
   const bool with_time = !lines_.time_u8.empty();
   std::uint64_t behind = 0;
-  EventWindow::Reader reader(window, selection, begin + first);
+  EventWindow::Reader reader(window, selection, first);
   int last_knot = -1;  // events come in order of time: to the next knot is as far for many of them
   MotionKnot to_next;
   for (std::uint32_t i = first; i < last; ++i) {
@@ -178,7 +164,7 @@ void Warp::project_some(const WarpTask& task, std::uint32_t begin, std::uint32_t
       lines_.time_u8[i] = static_cast<std::uint8_t>(length_us > 0 ? since_us * 255 / length_us : 255);
     behind += static_cast<std::uint64_t>(ladder.count - line.k_end);
   }
-  if (is_new) counts_[part].behind_camera += behind;
+  counts_[part].behind_camera = behind;
 }
 
 void Warp::vote(int part, int parts) noexcept {

@@ -39,14 +39,6 @@ struct LandingLine {
 LandingLine landing_line(const Ray& ray, const MotionKnot& knot, const Intrinsics& grid, double step_per_m,
                          std::int32_t hypotheses) noexcept;
 
-/// What a tick warps.
-struct WarpTask {
-  const EventWindow& window;
-  const EventWindow::Selection& selection;
-  const MotionTrack& track;
-  const HypothesisLadder& ladder;
-};
-
 class Warp {
  public:
   static constexpr int kMaxParts = 8;
@@ -54,12 +46,10 @@ class Warp {
   /// Takes the ray table (8 bytes per sensor pixel), the lines (18 bytes per event), the stack (1 byte per
   /// hypothesis and grid pixel) and the kernel's scratch (4 bytes per grid pixel and thread) from the arena.
   Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
-  /// For add_votes() alone: no stack, and the lines of so many events (17 bytes each) from an arena of their
-  /// own, and scratch only where the kernel wants it.
-  Warp(const Config& config, const KernelTable& kernels, Arena& arena, std::int32_t line_events,
-       Arena lines) noexcept;
-  [[nodiscard]] static std::size_t lines_bytes(std::int32_t line_events) noexcept;
-  [[nodiscard]] std::uint32_t line_events() const noexcept { return line_events_; }
+  /// For add_votes() alone: no stack, the lines (17 bytes per event) from an arena of their own, and scratch
+  /// only where the kernel wants it.
+  Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena lines) noexcept;
+  [[nodiscard]] static std::size_t lines_bytes(std::int32_t max_events) noexcept;
 
   /// Fills the ray table. RT: no (set-up).
   void prepare(const CameraModel& camera) noexcept;
@@ -69,13 +59,6 @@ class Warp {
   /// Projects part `part` of `parts` of the selected events. Parts may run at once. RT: yes.
   void project(const EventWindow& window, const EventWindow::Selection& selection, const MotionTrack& track,
                const HypothesisLadder& ladder, int part, int parts) noexcept;
-
-  /// The same in pieces: begin(), then project_some() of `count` <= line_events() events from `begin` on, in
-  /// place of those before, whose votes are added by then. Counts what lies behind the camera where `is_new`:
-  /// when these events are projected for the first time. RT: yes.
-  void begin(const HypothesisLadder& ladder, int parts) noexcept;
-  void project_some(const WarpTask& task, std::uint32_t begin, std::uint32_t count, bool is_new, int part,
-                    int parts) noexcept;
 
   /// Clears and votes the hypotheses of part `part`, after all parts of project(). Parts may run at once. RT:
   /// yes.
@@ -103,7 +86,8 @@ class Warp {
   [[nodiscard]] std::int32_t used() const noexcept { return used_; }
 
  private:
-  Warp(const Config& config, const KernelTable& kernels, Arena& arena, std::int32_t line_events) noexcept;
+  struct RaysOnly {};
+  Warp(RaysOnly, const Config& config, const KernelTable& kernels, Arena& arena) noexcept;
 
   void take_scratch(int threads, Arena& arena) noexcept;
 
@@ -117,7 +101,6 @@ class Warp {
   std::size_t pixels_;
   WarpVoteFunction* vote_;
   std::span<Ray> rays_;
-  std::uint32_t line_events_;
   LandingLines lines_;
   std::span<std::uint8_t> stack_;
   std::span<std::uint32_t> scratch_[kMaxParts];  // the vote kernel's, all zero between calls
