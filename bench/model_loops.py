@@ -23,7 +23,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LINE = re.compile(r"^\s*([0-9a-f]+):\s+(\S+)\s*(.*)$")
 JUMP = re.compile(r"^(j[a-z]+|b\.?[a-z]{2}(\.n|\.w)?|cbn?z|tbn?z)$")
-MULTIPLY_ADDS = {"sdot": 16, "smmla": 32, "smull": 8, "smlal2": 8, "smlal": 8}
+MULTIPLY_ADDS = {"sdot": 16, "smmla": 32, "smull": 8, "smull2": 8, "smlal": 8, "smlal2": 8}
 
 # Core -> its model in llvm-mca, the body that runs on it, multiply-adds a cycle at most (two 128-bit SDOT; one, in two
 # halves; one 64-bit multiplication), the goal.
@@ -32,7 +32,7 @@ CORES = {
     "Cortex-A55": ("cortex-a55", "neondot", 16, 0.60),
     "Cortex-A72": ("cortex-a72", "neon", 8, 0.90),
 }
-TILES = {"neondot": "TileILi5ELi4", "neon": "TileILi5ELi1"}  # the widest one, of layers with 16 and more outputs
+TILES = {"neondot": "TileILi5ELi4", "neon": "TileILi2ELi2"}  # the widest one, of layers with 16 and more outputs
 # Board, core, clock, instructions a cycle of all that is no convolution (assumed).
 BOARDS = (
     ("Raspberry Pi 5", "Cortex-A76", 2.4, 1.5),

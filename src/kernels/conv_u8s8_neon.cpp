@@ -50,10 +50,10 @@ struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
   static constexpr int kStreams = kUnits;
-  using Runs = ConvRuns;
   static constexpr int kAtOnce = kUnits == 1 ? 1 : 4;  // registers of weights
   static constexpr bool kStartsEmpty = true;
   static constexpr bool kTakesRows = kUnits == 1;
+  static constexpr bool kLoopEach = false;
   int32x4_t acc[kPixels][4 * kUnits];
   const std::int32_t* bias;
 
@@ -235,8 +235,11 @@ struct Tile {
 
 #if defined(__aarch64__)  // 32 registers
 constexpr int kMostPixels = 5;
-constexpr ConvBody kBody{
-    kConvPacking_neon, 4, 2, {neon_widths<Tile, kMostPixels, 1>(), neon_widths<Tile, 2, 2>()}, EGOFOCUS_LEAVE};
+constexpr ConvBody kBody{kConvPacking_neon,
+                         4,
+                         2,
+                         {neon_widths<Tile, kMostPixels, 1>(), neon_widths<Tile, 2, 2>()},
+                         EGOFOCUS_LEAVE};
 #else  // 16 registers
 constexpr int kMostPixels = 2;
 constexpr ConvBody kBody{kConvPacking_neon, 4, 1, {neon_widths<Tile, kMostPixels, 1>()}, EGOFOCUS_LEAVE};

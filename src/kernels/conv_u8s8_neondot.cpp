@@ -17,9 +17,9 @@ struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
   static constexpr int kStreams = 1;
-  using Runs = const ConvRuns&;
   static constexpr bool kStartsEmpty = false;
   static constexpr bool kTakesRows = true;
+  static constexpr bool kLoopEach = false;
   int32x4_t acc[kPixels][kUnits];
 
   EGOFOCUS_INLINE void start(const std::int32_t* bias) noexcept {

@@ -29,9 +29,9 @@ struct Tile {
   static constexpr int kPixels = kPixelCount;
   static constexpr int kUnits = kUnitCount;
   static constexpr int kStreams = 1;
-  using Runs = const ConvRuns&;
   static constexpr bool kStartsEmpty = false;
   static constexpr bool kTakesRows = true;
+  static constexpr bool kLoopEach = true;
   static constexpr int kPairs = (kPixels + 1) / 2;
   static constexpr int kColumns = kUnits == 3 ? 8 : 2 * kUnits;
   static constexpr int kAtOnce = kUnits == 1 ? 2 : 4;
@@ -54,7 +54,8 @@ struct Tile {
     EGOFOCUS_UNROLL
     for (int o = 0; o < kAtOnce; ++o) {
       EGOFOCUS_UNROLL
-      for (int p = 0; p < kPairs; ++p) acc[p][kFirst + o] = vmmlaq_s32(acc[p][kFirst + o], pairs[p], w.val[o]);
+      for (int p = 0; p < kPairs; ++p)
+        acc[p][kFirst + o] = vmmlaq_s32(acc[p][kFirst + o], pairs[p], w.val[o]);
     }
   }
 

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "kernels/isa.hpp"
+
 namespace egofocus {
 
 /// Operands of one call. For each event i in [0, n) and each hypothesis k in [k_begin, k_begin + k_count):
@@ -41,6 +43,11 @@ struct WarpVote {
 /// Returns the number of votes that landed inside the grid (saturated ones included).
 /// Thread: any; calls with different planes and scratch may run at once. RT: yes, O(n * k_count).
 using WarpVoteFunction = std::int64_t(const WarpVote& vote) noexcept;
+
+/// Whether a variant wants its scratch: those that find the runs of an event first (warp_vote_runs.hpp).
+constexpr bool wants_scratch(Isa isa) noexcept {
+  return isa != Isa::kScalar && isa < Isa::kNeon;
+}
 
 #define EGOFOCUS_WARP_VOTE(suffix, isa) WarpVoteFunction warp_vote_u8_##suffix;
 #include "kernels/warp_vote.inc"

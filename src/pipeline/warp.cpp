@@ -95,7 +95,7 @@ Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena) noexc
 Warp::Warp(const Config& config, const KernelTable& kernels, Arena& arena, Arena lines) noexcept
     : Warp(RaysOnly{}, config, kernels, arena) {
   lines_ = take_lines(config.window.max_events, false, lines);
-  if (kernels.warp_vote.isa != Isa::kScalar) take_scratch(config.threads, arena);
+  if (wants_scratch(kernels.warp_vote.isa)) take_scratch(config.threads, arena);
 }
 
 Warp::Warp(RaysOnly, const Config& config, const KernelTable& kernels, Arena& arena) noexcept
