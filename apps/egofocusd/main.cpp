@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <system_error>
 
 #include "control_server.hpp"
 #include "daemon_config.hpp"
@@ -95,6 +96,8 @@ int main(int argc, char** argv) {
     return complain("no memory", ExitCode::kMemory);
   } catch (const std::filesystem::filesystem_error& error) {
     return complain(egofocus::recording::refused(error).what(), ExitCode::kFile);
+  } catch (const std::system_error& error) {  // nothing else throws it here
+    return complain((std::string("no memory for a thread: ") + error.what()).c_str(), ExitCode::kMemory);
   } catch (const std::exception& error) {
     return complain((std::string("internal error: ") + error.what()).c_str(), ExitCode::kInternal);
   }

@@ -98,15 +98,26 @@ bool VelocityFilter::use(const OdometrySample& sample) noexcept {
   const Vec3 speed = wheel ? Vec3(sample.velocity_m_s[0], 0, 0) : vec3(sample.velocity_m_s);
   standstill_.see_odometry(speed, sample.t_us);
   notice_departure();
-  if (!ready_ || odometry_us_ - accepted_us_ > kLost_us) start_velocity(sample);
+  if (!ready_ || odometry_us_ - accepted_us_ > kLost_us) {
+    if (ready_) doubt_until_us_ = t_us_ + kDoubt_us;
+    start_velocity(sample);
+  }
   odometry_us_ = t_us_;
   if (standstill_.standing()) {
     measure_standstill();
   } else if (!(wheel ? measure_wheel(sample) : measure_body(sample))) {
+    if (t_us_ < doubt_until_us_) doubt_until_us_ = t_us_ + kDoubt_us;
     return false;
   }
   accepted_us_ = t_us_;
   return true;
+}
+
+bool VelocityFilter::doubts(std::int64_t t_us, std::int64_t limit_us) const noexcept {
+  const bool had_gyro = gyro_.t_us > INT64_MIN / 4;
+  const bool rejects = odometry_us_ > accepted_us_;
+  return (had_gyro && t_us - gyro_.t_us > limit_us) || (rejects && t_us - accepted_us_ > limit_us) ||
+         t_us < doubt_until_us_;
 }
 
 /// Propagation, exact in the rotation and of second order in the rest: the step's mean readings act in its

@@ -52,6 +52,7 @@ class VelocityFilter {
   static constexpr std::int64_t kSilence_us =
       3000000;                                       ///< no odometry for longer: velocity is no longer known
   static constexpr std::int64_t kLost_us = 1000000;  ///< odometry rejected for longer: velocity starts afresh
+  static constexpr std::int64_t kDoubt_us = 2000000;
 
   /// Precondition: EgoMotion::check(config) is ok.
   explicit VelocityFilter(const MotionConfig& config) noexcept;
@@ -65,6 +66,10 @@ class VelocityFilter {
   [[nodiscard]] bool ready() const noexcept { return ready_; }
   /// The gyro speaks.
   [[nodiscard]] bool has_gyro() const noexcept { return t_us_ - gyro_.t_us <= kHold_us; }
+  /// Something that spoke before contradicts the rest, or has been silent, for longer than `limit_us` at `t_us`:
+  /// the gyro is silent; odometry is rejected; or velocity had to start afresh from odometry that was rejected,
+  /// and it has not agreed for kDoubt_us since.
+  [[nodiscard]] bool doubts(std::int64_t t_us, std::int64_t limit_us) const noexcept;
   /// At the newest sample, in the camera frame.
   [[nodiscard]] CameraMotion camera_motion() const noexcept;
 
@@ -108,6 +113,7 @@ class VelocityFilter {
   Reading accel_;
   std::int64_t odometry_us_ = INT64_MIN / 2;
   std::int64_t accepted_us_ = INT64_MIN / 2;
+  std::int64_t doubt_until_us_ = INT64_MIN / 2;
   std::int64_t lateral_us_ = INT64_MIN / 2;
   bool ready_ = false;
   bool gravity_known_ = false;
