@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Every fault that a robot may meet, done to the real code: what was lost, and how long until depth is good again.
 
-usage: fault_matrix.py BUILD [--json FILE] [--write DOCUMENT] [--only NAME ...]
+usage: fault_matrix.py BUILD [--json FILE] [--write DOCUMENT] [--processes] [--only NAME ...]
 
 BUILD is a build folder, such as build/release. Prints the table; --write puts it between the markers of a document.
 Exit code 1 when a fault did what none may: crash, hang, lose uncounted, leave a poor frame without a flag, take memory.
@@ -68,10 +68,11 @@ def main():
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--write", type=pathlib.Path)
+    parser.add_argument("--processes", action="store_true", help="leave out what scripted devices do")
     parser.add_argument("--only", nargs="*", default=(), help="names of functions in process_faults.py")
     given = parser.parse_args()
     build = given.build.resolve()
-    rows = [] if given.only else scripted_rows(build)
+    rows = [] if given.only or given.processes else scripted_rows(build)
     for row in of_processes(build, given.only):
         print(f"{row['fault']}: {row['complaints'] or 'as it must be'}", flush=True)
         rows.append(row)

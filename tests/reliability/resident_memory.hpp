@@ -1,10 +1,11 @@
 // How much memory of this process is in RAM.
 #pragma once
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <cstdint>
 #include <fstream>
-
-#include <unistd.h>
 
 // Sanitizers keep what was freed.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -19,6 +20,12 @@
 #endif
 
 namespace egofocus::reliability {
+
+/// All of the program's code and data, so that what is used for the first time later does not look like growth.
+/// Without the right to lock memory it does.
+inline void make_program_resident() {
+  if (::mlockall(MCL_CURRENT) == 0) ::munlockall();
+}
 
 inline std::int64_t resident_bytes() {
   std::ifstream file("/proc/self/statm");

@@ -304,8 +304,6 @@ void Robot::judge(const DepthFrame& frame) {
   }
   ++seen_.ticks;
   seen_.flags |= frame.flags;
-  if (std::getenv("ROBOT_TELLS") != nullptr)
-    std::fprintf(stderr, "%.3f flags %u error %.3f events %u v %.3f sigma %.3f par %.2f\n", static_cast<double>(frame.t_us) * 1e-6, frame.flags, error, frame.events, frame.velocity_m_s[0], frame.velocity_sigma_m_s, frame.parallax_px);
   if (frame.flags == 0 && error <= kGood) {
     ++seen_.good;
     return;

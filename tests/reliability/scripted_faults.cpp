@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "resident_memory.hpp"
 #include "trial.hpp"
 
 int main(int argc, char** argv) {
@@ -13,6 +14,7 @@ int main(int argc, char** argv) {
   const auto is_wanted = [&](std::string_view name) {
     return argc == 1 || std::any_of(argv + 1, argv + argc, [&](const char* wish) { return name == wish; });
   };
+  make_program_resident();
   int failures = 0;
   for (const auto& family : {camera_faults, load_faults, motion_faults}) {
     for (const Fault& fault : family()) {

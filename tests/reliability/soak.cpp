@@ -135,6 +135,7 @@ class Soak {
 
 int run(double hours) {
   const int cycles = static_cast<int>(hours * 3600 / kCycle_s);
+  make_program_resident();
   Soak soak;
   if (cycles < 4 || !soak.start()) {
     std::fprintf(stderr, "soak: needs --hours of at least %.3f\n", 4.0 * kCycle_s / 3600);
