@@ -63,9 +63,10 @@ Problems find_problems(const fs::path& config_file, DaemonConfig& config) {
   try {
     const Setup setup(config);
     if (config.source.events != EventsFrom::kReplay && is_served(config.control.socket)) {
-      problems.warnings.push_back(config.control.socket.string() +
-                                  ": a daemon runs with this socket and may be using the devices: they were not "
-                                  "opened. Stop it to have them checked.");
+      problems.warnings.push_back(
+          config.control.socket.string() +
+          ": a daemon runs with this socket and may be using the devices: they were not "
+          "opened. Stop it to have them checked.");
     } else {
       Recorder nobody{RecordConfig{}};
       static_cast<void>(open_sources(setup, nobody));

@@ -1,4 +1,6 @@
 // egofocusd: depth for other processes, from a camera and a bus, for days. This file is its whole life.
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -63,6 +65,7 @@ int complain(const char* what, ExitCode code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  ::mallopt(M_MMAP_THRESHOLD, 128 * 1024);  // fixed: what a reload frees goes back to the system
   CLI::App program("Depth from an event camera and measured motion, as a service.", "egofocusd");
   std::string file = kDefaultConfig;
   std::string request;

@@ -1,5 +1,6 @@
-/* The engine inside a C program: events and poses in, depth out. Here both are made up: a camera that slides along
- * a wall 2 m away at 1 m/s. In yours they come from a camera and a robot; everything else is the same. */
+/* The engine inside a C program: events and poses in, depth out. Here both are made up: a camera that slides
+ * along a wall 2 m away at 1 m/s. In yours they come from a camera and a robot; everything else is the same.
+ */
 #include <egofocus/egofocus.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -86,9 +86,9 @@ bool EventFilter::keep(const Event& event) noexcept {
   return true;
 }
 
-// Each stretch of hot_pixel_learn_us counts by itself: a pixel is hot from the event that is one too many to the
-// end of the next stretch, and on as long as it goes on so. Counts are begun anew when a pixel fires, so that a
-// stretch's end costs nothing; one that was silent for just 256 stretches goes on with its old count.
+// Each stretch of hot_pixel_learn_us counts by itself: a pixel is hot from the event that is one too many to
+// the end of the next stretch, and on as long as it goes on so. Counts are begun anew when a pixel fires, so
+// that a stretch's end costs nothing; one that was silent for just 256 stretches goes on with its old count.
 bool EventFilter::is_hot(std::size_t pixel, std::int64_t t_us) noexcept {
   if (learn_count_.empty()) return hot_[pixel] != kCold;
   if (learn_until_us_ == INT64_MIN) learn_until_us_ = t_us + config_.hot_pixel_learn_us;

@@ -68,10 +68,10 @@ class VelocityFilter {
   [[nodiscard]] bool ready() const noexcept { return ready_; }
   /// The gyro speaks.
   [[nodiscard]] bool has_gyro() const noexcept { return t_us_ - gyro_.t_us <= kHold_us; }
-  /// Something that spoke before contradicts the rest, or has been silent, for longer than `limit_us` at `t_us`:
-  /// the gyro is silent; odometry is rejected; or odometry has not agreed with the rest for kDoubt_us. It
-  /// disagrees when velocity had to start afresh from what was rejected before, and when its innovations lean to
-  /// one side: kMostStrain standard deviations on average over kStrainFor_s.
+  /// Something that spoke before contradicts the rest, or has been silent, for longer than `limit_us` at
+  /// `t_us`: the gyro is silent; odometry is rejected; or odometry has not agreed with the rest for
+  /// kDoubt_us. It disagrees when velocity had to start afresh from what was rejected before, and when its
+  /// innovations lean to one side: kMostStrain standard deviations on average over kStrainFor_s.
   [[nodiscard]] bool doubts(std::int64_t t_us, std::int64_t limit_us) const noexcept;
   /// At the newest sample, in the camera frame.
   [[nodiscard]] CameraMotion camera_motion() const noexcept;

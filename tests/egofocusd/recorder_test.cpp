@@ -31,7 +31,8 @@ struct Bench {
     recording::write_text_file(
         file, "[source]\nrecording = \"" + test::source_dir() +
                   "/fixtures/planes\"\n[engine]\nbackend = \"focus\"\n[record]\nfolder = \"" +
-                  folder.path().string() + "\"\nbuffer_events = 65536\nmax_mib = 1\n[can]\ninterface = \"slcan1\"\n");
+                  folder.path().string() +
+                  "\"\nbuffer_events = 65536\nmax_mib = 1\n[can]\ninterface = \"slcan1\"\n");
     return daemon::read_daemon_config(file);
   }
 

@@ -38,7 +38,9 @@ class NaiveFilter {
     newest_us_ = e.t_us;
     if (f.hot_pixel_rate_hz > 0) {
       learnt_.push_back(e);
-      const auto stretch = [&](const Event& event) { return (event.t_us - first_us_) / f.hot_pixel_learn_us; };
+      const auto stretch = [&](const Event& event) {
+        return (event.t_us - first_us_) / f.hot_pixel_learn_us;
+      };
       std::int64_t now = 0;
       std::int64_t before = 0;
       for (const Event& other : learnt_) {

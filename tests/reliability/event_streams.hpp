@@ -1,5 +1,5 @@
-// The same events through every camera format's real decoder, for as long as one likes: five streams that go on
-// for ever, whose time stamps wrap as the cameras' do.
+// The same events through every camera format's real decoder, for as long as one likes: five streams that go
+// on for ever, whose time stamps wrap as the cameras' do.
 #pragma once
 
 #include <algorithm>

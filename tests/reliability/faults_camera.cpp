@@ -10,7 +10,8 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 
 Row unplugged() {
   Robot robot;
-  Trial trial("camera unplugged and back, 20 times", "ENODEV in all transfers; away for 0.2 s to 2.1 s", robot);
+  Trial trial("camera unplugged and back, 20 times", "ENODEV in all transfers; away for 0.2 s to 2.1 s",
+              robot);
   std::int64_t longest_us = 0;
   for (int i = 0; i < 20; ++i) {
     robot.camera().is_plugged = false;
@@ -23,7 +24,8 @@ Row unplugged() {
     robot.run(kSecond_us);
   }
   trial.over();
-  trial.expect(trial.up("camera_lost") == 20 && trial.up("camera_opened") == 20, "not 20 losses, 20 times opened");
+  trial.expect(trial.up("camera_lost") == 20 && trial.up("camera_opened") == 20,
+               "not 20 losses, 20 times opened");
   trial.remark("streams again at most " + recording::number_text(static_cast<double>(longest_us) * 1e-6) +
                " s after it is back");
   return trial.row();
@@ -31,7 +33,8 @@ Row unplugged() {
 
 Row unplugged_during_start() {
   Robot robot;
-  Trial trial("camera unplugged while it starts, 20 times", "ENODEV between two steps of its start sequence", robot);
+  Trial trial("camera unplugged while it starts, 20 times", "ENODEV between two steps of its start sequence",
+              robot);
   for (int i = 0; i < 20; ++i) {
     robot.camera().is_plugged = false;
     robot.run(kSecond_us / 5);
@@ -69,7 +72,8 @@ Row silence() {
 Row damaged() {
   Robot robot;
   Trial trial("short and corrupt packets",
-              "2 % of the words random, 5 % of the transfers cut within a word, 2 % lost to an overflow, 5 s", robot);
+              "2 % of the words random, 5 % of the transfers cut within a word, 2 % lost to an overflow, 5 s",
+              robot);
   robot.trouble.corrupt_words = 0.02;
   robot.trouble.short_transfers = 0.05;
   robot.trouble.overflown_transfers = 0.02;
@@ -77,13 +81,16 @@ Row damaged() {
   robot.trouble = {};
   robot.reset_camera_clock();
   trial.over();
-  trial.expect(trial.up("camera_stream_violations") > 0 && trial.up("camera_overflows") > 0, "nothing was noticed");
+  trial.expect(trial.up("camera_stream_violations") > 0 && trial.up("camera_overflows") > 0,
+               "nothing was noticed");
   return trial.row();
 }
 
 Row clock_leaps(std::int64_t leap_us, const char* fault) {
   Robot robot;
-  Trial trial(fault, "the camera's time leaps by " + std::to_string(leap_us / kSecond_us) + " s without a word", robot);
+  Trial trial(fault,
+              "the camera's time leaps by " + std::to_string(leap_us / kSecond_us) + " s without a word",
+              robot);
   robot.leap_camera_clock(leap_us);
   robot.run(kSecond_us);
   trial.over();
@@ -122,8 +129,8 @@ Row drift() {
   const Seen settled = robot.look();
   robot.run(50 * kSecond_us);
   const Seen seen = robot.look();
-  trial.expect(seen.clock_error_us <= 300 && settled.ticks == 0, "the time is off by " +
-                                                                     std::to_string(seen.clock_error_us) + " us");
+  trial.expect(seen.clock_error_us <= 300 && settled.ticks == 0,
+               "the time is off by " + std::to_string(seen.clock_error_us) + " us");
   trial.remark("after 10 s an event's time is at most " + std::to_string(seen.clock_error_us) + " us off");
   robot.trouble = {};
   trial.over();

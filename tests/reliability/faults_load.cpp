@@ -26,13 +26,15 @@ Row unthinned_overload() {
   Config config = Robot::engine_config();
   config.rings.events = 2'048;
   Robot robot(config);
-  Trial trial("5x overload, never thinned", "the same 60 s without max_event_rate_hz, a ring of 2048 events", robot);
+  Trial trial("5x overload, never thinned", "the same 60 s without max_event_rate_hz, a ring of 2048 events",
+              robot);
   robot.trouble.event_copies = 5;
   robot.run(60 * kSecond_us);
   const Seen seen = trial.seen();
   robot.trouble = {};
   trial.over();
-  trial.expect((seen.flags & kOverload) != 0 && trial.up("events_ring_dropped") > 0, "not flagged, or nothing dropped");
+  trial.expect((seen.flags & kOverload) != 0 && trial.up("events_ring_dropped") > 0,
+               "not flagged, or nothing dropped");
   return trial.row();
 }
 
@@ -41,7 +43,9 @@ Row hot_pixels() {
   config.filter.hot_pixel_rate_hz = 500;
   config.filter.hot_pixel_learn_us = 100'000;
   Robot robot(config);
-  Trial trial("hot-pixel storm", "20 pixels at 2 kHz each, 20 s, at hot_pixel_rate_hz = 500, hot_pixel_learn_us = 100000", robot);
+  Trial trial("hot-pixel storm",
+              "20 pixels at 2 kHz each, 20 s, at hot_pixel_rate_hz = 500, hot_pixel_learn_us = 100000",
+              robot);
   robot.trouble.hot_pixels = 20;
   robot.run(20 * kSecond_us);
   trial.over();  // it goes on: what counts is that it is masked

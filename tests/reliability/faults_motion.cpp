@@ -22,8 +22,8 @@ Row down_and_up() {
 
 Row unplugged() {
   Robot robot;
-  Trial trial("CAN adapter unplugged and back, 20 times", "the interface is gone for 0.5 s, and has another number",
-              robot);
+  Trial trial("CAN adapter unplugged and back, 20 times",
+              "the interface is gone for 0.5 s, and has another number", robot);
   for (int i = 0; i < 20; ++i) {
     robot.kernel.fail(ENETDOWN);
     robot.kernel.fail(ENODEV);
@@ -42,7 +42,8 @@ Row bus_off() {
   SocketCanConfig can;
   can.restart_after_us = 500'000;
   Robot robot(Robot::engine_config(), can);
-  Trial trial("bus-off", "error frame, nothing is heard until the node is restarted, restart_after_us = 500000", robot);
+  Trial trial("bus-off",
+              "error frame, nothing is heard until the node is restarted, restart_after_us = 500000", robot);
   robot.kernel.error_frame(CAN_ERR_BUSOFF, {});
   robot.trouble.can_silent = true;
   for (int i = 0; robot.kernel.links_set.empty() && i < 1'000; ++i) robot.run(Robot::kStep_us);
@@ -73,7 +74,8 @@ Row motion_silent() {
   const Seen seen = trial.seen();
   robot.trouble = {};
   trial.over();
-  trial.expect((seen.flags & (kStaleVelocity | kNoMotion)) == (kStaleVelocity | kNoMotion), "frames do not say so");
+  trial.expect((seen.flags & (kStaleVelocity | kNoMotion)) == (kStaleVelocity | kNoMotion),
+               "frames do not say so");
   return trial.row();
 }
 
@@ -90,7 +92,8 @@ Row odometry_silent() {
 
 Row wheel_stuck() {
   Robot robot;
-  Trial trial("wheel speed stuck", "goes on saying 0.5 m/s for 2 s, while the robot goes from 0.5 m/s to 1.5 m/s", robot);
+  Trial trial("wheel speed stuck",
+              "goes on saying 0.5 m/s for 2 s, while the robot goes from 0.5 m/s to 1.5 m/s", robot);
   robot.trouble.wheel_stuck = true;
   robot.trouble.accel_m_s2 = 0.5;
   robot.run(2 * kSecond_us);
@@ -102,8 +105,8 @@ Row wheel_stuck() {
 }  // namespace
 
 std::vector<Fault> motion_faults() {
-  return {{"can_down", down_and_up},       {"can_unplugged", unplugged},     {"can_bus_off", bus_off},
-          {"imu_silent", imu_silent},      {"wheel_silent", odometry_silent}, {"motion_silent", motion_silent},
+  return {{"can_down", down_and_up},   {"can_unplugged", unplugged},      {"can_bus_off", bus_off},
+          {"imu_silent", imu_silent},  {"wheel_silent", odometry_silent}, {"motion_silent", motion_silent},
           {"wheel_stuck", wheel_stuck}};
 }
 

@@ -38,8 +38,11 @@ class Jitter {
   [[nodiscard]] recording::Json json() const {
     recording::Json out;
     out.add("wake_ups", late_ns_.size()).add("skipped", skipped_).add("misses_percent", misses_percent());
-    out.add("p50_us", percentile_us(0.5)).add("p99_9_us", percentile_us(0.999)).add("max_us", percentile_us(1));
-    return out.add("up_to_us", std::span<const double>(bounds())).add("count", std::span<const double>(counts()));
+    out.add("p50_us", percentile_us(0.5))
+        .add("p99_9_us", percentile_us(0.999))
+        .add("max_us", percentile_us(1));
+    return out.add("up_to_us", std::span<const double>(bounds()))
+        .add("count", std::span<const double>(counts()));
   }
 
   /// One line per class of lateness, each twice as wide as the one before.

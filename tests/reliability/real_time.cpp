@@ -1,6 +1,6 @@
-// Ticks on the real clock, beside a loop that only sleeps, with a hog on the other core: how late each wakes, and
-// what a tick asks of the system: page faults, allocations, system calls.
-// usage: real_time [--ticks N] [--rate HZ] [--threads N] [--priority N] [--cpu C] [--traced N] [--json FILE]
+// Ticks on the real clock, beside a loop that only sleeps, with a hog on the other core: how late each wakes,
+// and what a tick asks of the system: page faults, allocations, system calls. usage: real_time [--ticks N]
+// [--rate HZ] [--threads N] [--priority N] [--cpu C] [--traced N] [--json FILE]
 #include <sched.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -89,8 +89,10 @@ class Feed {
 // Half a period after the ticks, with the same priority on the same core.
 struct Control {
   Control(const Wish& wish, std::int64_t first_due_us)
-      : due_us(first_due_us), period_us(static_cast<std::int64_t>(1e6 / wish.rate_hz)),
-        jitter(static_cast<std::size_t>(wish.ticks)), left(wish.ticks) {}
+      : due_us(first_due_us),
+        period_us(static_cast<std::int64_t>(1e6 / wish.rate_hz)),
+        jitter(static_cast<std::size_t>(wish.ticks)),
+        left(wish.ticks) {}
   static void run(void* self) noexcept {
     auto& c = *static_cast<Control*>(self);
     const Clock clock = monotonic_clock();
@@ -223,7 +225,8 @@ int main(int argc, char** argv) {
   program.add_option("--threads", wish.threads)->capture_default_str();
   program.add_option("--priority", wish.priority, "SCHED_FIFO of both loops; 0: none")->capture_default_str();
   program.add_option("--cpu", wish.cpu, "both loops run there; -1: anywhere")->capture_default_str();
-  program.add_option("--traced", wish.traced, "ticks whose system calls are counted first")->capture_default_str();
+  program.add_option("--traced", wish.traced, "ticks whose system calls are counted first")
+      ->capture_default_str();
   program.add_flag("--hog,!--no-hog", hog, "load on the other cores");
   program.add_option("--json", wish.json);
   CLI11_PARSE(program, argc, argv);

@@ -21,8 +21,8 @@
 
 namespace egofocus::reliability {
 
-/// All of the program's code and data, so that what is used for the first time later does not look like growth.
-/// Without the right to lock memory it does.
+/// All of the program's code and data, so that what is used for the first time later does not look like
+/// growth. Without the right to lock memory it does.
 inline void make_program_resident() {
   if (::mlockall(MCL_CURRENT) == 0) ::munlockall();
 }

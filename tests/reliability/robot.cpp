@@ -99,7 +99,7 @@ Config Robot::engine_config() {
   constexpr double kLooksLeft[9] = {1, 0, 0, 0, 0, -1, 0, 1, 0};
   std::copy(std::begin(kLooksLeft), std::end(kLooksLeft), config.motion.camera_from_body);
   config.window.max_events = 16'000;
-  config.window.min_events = 3'000;  // of some 4,000 that it holds
+  config.window.min_events = 3'000;      // of some 4,000 that it holds
   config.window.max_age_us = 1'000'000;  // 12 px of parallax at the wall
   config.rate.lateness_us = kLateness_us;
   return config;
@@ -150,8 +150,7 @@ void Robot::run(std::int64_t us) {
 // What the script has used up goes, so that this program's memory stays as it is.
 void Robot::poll_camera(std::int64_t until_us) {
   Inlets inlets = engine_->inlets();
-  while (bus.clock.now_us() < until_us)
-    static_cast<void>(usb_->poll(inlets, until_us - bus.clock.now_us()));
+  while (bus.clock.now_us() < until_us) static_cast<void>(usb_->poll(inlets, until_us - bus.clock.now_us()));
   camera().writes.clear();
   if (camera().next_ending < camera().endings.size()) return;
   camera().endings.clear();
@@ -188,15 +187,17 @@ void Robot::film(std::int64_t until_us) {
   speed_m_s_ += trouble.accel_m_s2 * passed_us * 1e-6;
   scene_us_ += passed_us * speed_m_s_ / SlidingScene::kSpeed_m_s;
   const double stretch = scene_us_ > from_scene_us ? passed_us / (scene_us_ - from_scene_us) : 0;
-  std::vector<Event> events = scene_.events(static_cast<std::int64_t>(from_scene_us),
-                                            static_cast<std::int64_t>(scene_us_));
+  std::vector<Event> events =
+      scene_.events(static_cast<std::int64_t>(from_scene_us), static_cast<std::int64_t>(scene_us_));
   for (Event& event : events) {
-    event.t_us = from_us + static_cast<std::int64_t>((static_cast<double>(event.t_us) - from_scene_us) * stretch);
+    event.t_us =
+        from_us + static_cast<std::int64_t>((static_cast<double>(event.t_us) - from_scene_us) * stretch);
     event.t_us = std::clamp(event.t_us, from_us + 1, until_us);
   }
   for (int pixel = 0; pixel < trouble.hot_pixels; ++pixel) {
     for (std::int64_t t_us = from_us + 1 + pixel; t_us <= until_us; t_us += 1'000'000 / kHotPixel_hz)
-      events.push_back({t_us, static_cast<std::uint16_t>(3 * pixel), static_cast<std::uint16_t>(2 * pixel), 1});
+      events.push_back(
+          {t_us, static_cast<std::uint16_t>(3 * pixel), static_cast<std::uint16_t>(2 * pixel), 1});
   }
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& a, const Event& b) { return a.t_us < b.t_us; });
@@ -293,8 +294,9 @@ void Robot::judge(const DepthFrame& frame) {
   for (std::size_t i = 0; i < frame.inverse_depth.size(); ++i) {
     if (frame.confidence[i] == 0) continue;
     const double inverse_m = frame.inverse_depth[i] * frame.inverse_depth_scale_per_m;
-    errors.push_back(inverse_m > 0 ? std::abs(1 / inverse_m - SlidingScene::kDistance_m) / SlidingScene::kDistance_m
-                                   : 1e9);
+    errors.push_back(inverse_m > 0
+                         ? std::abs(1 / inverse_m - SlidingScene::kDistance_m) / SlidingScene::kDistance_m
+                         : 1e9);
   }
   double error = 1e9;
   if (errors.size() >= frame.inverse_depth.size() / 4) {

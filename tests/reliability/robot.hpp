@@ -1,6 +1,6 @@
 // A robot of scripted devices around the real sources and the real engine: a DAVIS on a scripted USB bus, an
-// IMU and a wheel on a scripted CAN bus. It drives past a dotted wall that is exactly 1 m to its left, so that
-// the true depth of every pixel is known at all times. Simulated time; no thread.
+// IMU and a wheel on a scripted CAN bus. It drives past a dotted wall that is exactly 1 m to its left, so
+// that the true depth of every pixel is known at all times. Simulated time; no thread.
 #pragma once
 
 #include <deque>
@@ -42,10 +42,10 @@ struct Trouble {
 struct Seen {
   int ticks = 0;
   int good = 0;
-  std::uint32_t flags = 0;       // of all
-  int poor_unflagged = 0;        // frames without a flag that were not good
-  double worst_unflagged = 0;    // their worst median relative error
-  std::int64_t not_good_us = 0;  // time of the newest one that was not good; 0: all were
+  std::uint32_t flags = 0;          // of all
+  int poor_unflagged = 0;           // frames without a flag that were not good
+  double worst_unflagged = 0;       // their worst median relative error
+  std::int64_t not_good_us = 0;     // time of the newest one that was not good; 0: all were
   std::int64_t clock_error_us = 0;  // largest of an event's time against the true one
 };
 

@@ -42,7 +42,8 @@ struct Drive {
       const std::vector<Event> all = scene.events(from_us, from_us + kSecond_us);
       for (std::size_t i = 0; i < all.size(); i += kEveryEvent) events[s].push_back(all[i]);
       imu[s] = SlidingScene::imu(from_us, from_us + kSecond_us);
-      // Exactly what the filter expects at rest: else biases go on converging for hours, each minute a little.
+      // Exactly what the filter expects at rest: else biases go on converging for hours, each minute a
+      // little.
       for (ImuSample& sample : imu[s]) sample.accel_m_s2[2] = kGravity_m_s2;
       odometry[s] = SlidingScene::odometry(from_us, from_us + kSecond_us);
     }

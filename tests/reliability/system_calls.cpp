@@ -66,8 +66,8 @@ std::map<std::uint64_t, std::uint64_t> count_system_calls(const std::function<in
     } else if (signal == SIGSTOP || signal == SIGTRAP) {
       signal = 0;
       trace(PTRACE_SETOPTIONS, thread, 0,
-            reinterpret_cast<void*>(std::uintptr_t{PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE |
-                                                   PTRACE_O_EXITKILL}));
+            reinterpret_cast<void*>(
+                std::uintptr_t{PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_EXITKILL}));
     }
     trace(PTRACE_SYSCALL, thread, 0, reinterpret_cast<void*>(static_cast<std::uintptr_t>(signal)));
   }

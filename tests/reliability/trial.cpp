@@ -12,14 +12,31 @@ constexpr std::int64_t kWarmUp_us = 6'000'000;  // masks, clocks and biases have
 constexpr std::int64_t kGoodFor_us = 1'000'000;
 constexpr double kMostGrowth_percent = 1;
 
-constexpr const char* kLosses[] = {
-    "camera_lost",         "camera_refused",           "camera_stalls",          "camera_overflows",
-    "camera_failed_transfers", "camera_clock_restarts", "camera_events_unmapped", "camera_stream_violations",
-    "camera_stream_events_dropped", "events_ring_dropped", "events_over_rate",   "events_out_of_range",
-    "events_out_of_order", "events_ahead",             "events_late",            "events_hot_pixel",
-    "window_decimated",    "can_link_downs",           "can_link_losses",        "can_bus_off",
-    "can_restarts",        "can_kernel_dropped",       "can_malformed",          "odometry_rejected",
-    "ticks_skipped"};
+constexpr const char* kLosses[] = {"camera_lost",
+                                   "camera_refused",
+                                   "camera_stalls",
+                                   "camera_overflows",
+                                   "camera_failed_transfers",
+                                   "camera_clock_restarts",
+                                   "camera_events_unmapped",
+                                   "camera_stream_violations",
+                                   "camera_stream_events_dropped",
+                                   "events_ring_dropped",
+                                   "events_over_rate",
+                                   "events_out_of_range",
+                                   "events_out_of_order",
+                                   "events_ahead",
+                                   "events_late",
+                                   "events_hot_pixel",
+                                   "window_decimated",
+                                   "can_link_downs",
+                                   "can_link_losses",
+                                   "can_bus_off",
+                                   "can_restarts",
+                                   "can_kernel_dropped",
+                                   "can_malformed",
+                                   "odometry_rejected",
+                                   "ticks_skipped"};
 
 void add(Seen& all, const Seen& some) {
   all.ticks += some.ticks;
@@ -98,7 +115,8 @@ Row Trial::row(std::int64_t patience_us) {
   row_.good_after_s = after.not_good_us == 0 ? 0 : static_cast<double>(after.not_good_us - over_us_) * 1e-6;
   add(seen_, after);
   row_.flags = seen_.flags;
-  expect(seen_.poor_unflagged == 0, std::to_string(seen_.poor_unflagged) + " poor frames without a flag, the worst " +
+  expect(seen_.poor_unflagged == 0, std::to_string(seen_.poor_unflagged) +
+                                        " poor frames without a flag, the worst " +
                                         std::to_string(seen_.worst_unflagged) + " off");
 
   const auto now = robot_.counters();
@@ -108,21 +126,25 @@ Row Trial::row(std::int64_t patience_us) {
     row_.lost["events that no transfer brought"] = unseen;
   // What came to the host is offered to the engine, or counted as dropped on the way.
   const std::uint64_t sent = robot_.events_sent_at_tick - sent_before_;
-  const std::uint64_t told = up("events_in") + up("camera_events_unmapped") + up("camera_stream_events_dropped");
+  const std::uint64_t told =
+      up("events_in") + up("camera_events_unmapped") + up("camera_stream_events_dropped");
   if (robot_.trouble.corrupt_words == 0 && row_.lost.count("camera_stream_violations") == 0)
     expect(sent == told, std::to_string(sent) + " events sent, " + std::to_string(told) + " accounted for");
   // And what was offered is in one line of the engine's, but for the newest, which still wait.
   std::uint64_t lines = 0;
-  for (const char* name : {"events_ring_dropped", "events_over_rate", "events_out_of_range", "events_out_of_order",
-                           "events_ahead", "events_late", "events_hot_pixel", "events_refractory",
-                           "events_isolated", "events_kept"})
+  for (const char* name : {"events_ring_dropped", "events_over_rate", "events_out_of_range",
+                           "events_out_of_order", "events_ahead", "events_late", "events_hot_pixel",
+                           "events_refractory", "events_isolated", "events_kept"})
     lines += now.at(name);
   const std::uint64_t in = now.at("events_in");
-  expect(lines <= in && in - lines < 10'000, std::to_string(in) + " events in, " + std::to_string(lines) + " in a line");
+  expect(lines <= in && in - lines < 10'000,
+         std::to_string(in) + " events in, " + std::to_string(lines) + " in a line");
 
-  row_.rss_percent = 100.0 * static_cast<double>(resident_bytes() - rss_before_) / static_cast<double>(rss_before_);
+  row_.rss_percent =
+      100.0 * static_cast<double>(resident_bytes() - rss_before_) / static_cast<double>(rss_before_);
   if (EGOFOCUS_RESIDENT_MEMORY_IS_OURS)
-    expect(row_.rss_percent < kMostGrowth_percent, "memory grew by " + std::to_string(row_.rss_percent) + " %");
+    expect(row_.rss_percent < kMostGrowth_percent,
+           "memory grew by " + std::to_string(row_.rss_percent) + " %");
   return row_;
 }
 

@@ -16,9 +16,9 @@ struct Row {
   std::string fault;
   std::string made;                           ///< how
   std::map<std::string, std::uint64_t> lost;  ///< counters of loss that went up
-  double good_after_s = 0;                    ///< from the fault's end to the first frame from which all are good
-  double rss_percent = 0;                     ///< change of resident memory
-  std::uint32_t flags = 0;                    ///< of frames from the fault's begin to good depth
+  double good_after_s = 0;  ///< from the fault's end to the first frame from which all are good
+  double rss_percent = 0;   ///< change of resident memory
+  std::uint32_t flags = 0;  ///< of frames from the fault's begin to good depth
   std::string remark;
   std::vector<std::string> complaints;
 
