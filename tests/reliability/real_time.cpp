@@ -72,7 +72,7 @@ class Feed {
   template <typename Sample>
   void push(Inlets& inlets, const std::vector<Sample>& samples, std::uint64_t& next, std::int64_t until_us) {
     for (;; ++next) {
-      Sample sample = samples[next % samples.size()];
+      Sample sample = samples[static_cast<std::size_t>(next % samples.size())];
       sample.t_us += origin_us_ + static_cast<std::int64_t>(next / samples.size()) * kCycle_us;
       if (sample.t_us > until_us) return;
       inlets.push(std::span<const Sample>(&sample, 1));
@@ -92,15 +92,16 @@ struct Control {
       : due_us(first_due_us),
         period_us(static_cast<std::int64_t>(1e6 / wish.rate_hz)),
         jitter(static_cast<std::size_t>(wish.ticks)),
-        left(wish.ticks) {}
+        left(wish.ticks + kAfter) {}
   static void run(void* self) noexcept {
     auto& c = *static_cast<Control*>(self);
     const Clock clock = monotonic_clock();
     for (; c.left > 0; --c.left, c.due_us += c.period_us) {
       clock.sleep_until_us(clock.self, c.due_us);
-      c.jitter.add(woke_late_ns());
+      if (c.left > kAfter) c.jitter.add(woke_late_ns());
     }
   }
+  static constexpr int kAfter = 5;  // periods, so that no thread ends while allocations are counted
   std::int64_t due_us;
   std::int64_t period_us;
   Jitter jitter;
