@@ -58,8 +58,8 @@ template <typename Section>
 void describe(Section& s, CanConfig& v) {
   std::string name = v.interface_name;
   s.optional("interface", name);
-  if (name.empty() || name.size() >= sizeof v.interface_name)
-    s.refuse("interface", "must have 1..15 characters");
+  if (name.empty() || name.size() >= sizeof v.interface_name || name.find_first_of(" \t/") != name.npos)
+    s.refuse("interface", "must have 1..15 characters, none of them a space or a slash");
   v.interface_name[name.copy(v.interface_name, name.size())] = '\0';
   s.optional("hardware_time", v.hardware_time);
   s.optional("wait_for_interface", v.wait_for_interface);

@@ -18,12 +18,17 @@ using recording::require;
 
 constexpr timespec kShortly{0, 5'000'000};
 
+void* pages(std::size_t bytes) noexcept {
+  void* const block = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  return block == MAP_FAILED ? nullptr : block;
+}
+
 }  // namespace
 
 DepthRun::DepthRun(std::unique_ptr<Setup> setup)
     : setup_(std::move(setup)),
       happened_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      arena_(std::aligned_alloc(64, setup_->arena_bytes)) {
+      arena_(pages(setup_->arena_bytes), {setup_->arena_bytes}) {
   if (!arena_ || !happened_.is_open()) {
     throw Error(ExitCode::kMemory, "no memory for an arena of " + std::to_string(setup_->arena_bytes) +
                                        " bytes. Free some, or choose fewer hypotheses or a smaller grid.");

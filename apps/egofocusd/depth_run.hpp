@@ -1,9 +1,11 @@
 // One configuration at work: sources, engine, and the thread of its ticks.
 #pragma once
 
+#include <sys/mman.h>
+
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 
 #include "core/rt_thread.hpp"
@@ -56,8 +58,10 @@ class DepthRun {
   void tell(State state) noexcept;
   void tell() noexcept;
 
+  // Pages of its own, which go back to the system with the run: the heap might keep them.
   struct FreeArena {
-    void operator()(void* block) const { std::free(block); }
+    std::size_t bytes = 0;
+    void operator()(void* block) const { ::munmap(block, bytes); }
   };
 
   std::unique_ptr<Setup> setup_;

@@ -3,11 +3,13 @@
 namespace egofocus::daemon {
 namespace {
 
-void tell(const EvtCounters& evt, std::vector<DeviceFact>& out) {
+// A camera's stream has one of the two kinds of words; the other's counters are zero.
+void tell(const EvtCounters& evt, const InivationCounters& inivation, std::vector<DeviceFact>& out) {
   std::uint64_t violations = 0;
   for (const std::uint64_t kind : evt.violations) violations += kind;
+  for (const std::uint64_t kind : inivation.violations) violations += kind;
   out.insert(out.end(), {{"camera_stream_violations", violations},
-                         {"camera_stream_events_dropped", evt.dropped_events},
+                         {"camera_stream_events_dropped", evt.dropped_events + inivation.dropped_events},
                          {"camera_sensor_in", evt.sensor_in},
                          {"camera_sensor_out", evt.sensor_out}});
 }
@@ -27,7 +29,7 @@ void tell(const UsbCameraCounters& c, std::vector<DeviceFact>& out) {
                          {"camera_opened", c.opened},
                          {"camera_lost", c.lost},
                          {"camera_refused", c.refused}});
-  tell(c.evt, out);
+  tell(c.evt, c.inivation, out);
 }
 
 void tell(const V4l2CameraCounters& c, std::vector<DeviceFact>& out) {
@@ -41,7 +43,7 @@ void tell(const V4l2CameraCounters& c, std::vector<DeviceFact>& out) {
                          {"camera_opened", c.opened},
                          {"camera_lost", c.lost},
                          {"camera_refused", c.refused}});
-  tell(c.evt, out);
+  tell(c.evt, {}, out);
 }
 
 void tell(const SocketCanHealth& c, std::vector<DeviceFact>& out) {

@@ -7,6 +7,7 @@
 #include "recording/error.hpp"
 #include "recording/text_file.hpp"
 #include "setup.hpp"
+#include "unix_socket.hpp"
 
 namespace egofocus::daemon {
 namespace {
@@ -61,8 +62,15 @@ Problems find_problems(const fs::path& config_file, DaemonConfig& config) {
   if (!is_sound) return problems;
   try {
     const Setup setup(config);
-    Recorder nobody{RecordConfig{}};
-    static_cast<void>(open_sources(setup, nobody));
+    if (config.source.events != EventsFrom::kReplay && is_served(config.control.socket)) {
+      problems.warnings.push_back(
+          config.control.socket.string() +
+          ": a daemon runs with this socket and may be using the devices: they were not "
+          "opened. Stop it to have them checked.");
+    } else {
+      Recorder nobody{RecordConfig{}};
+      static_cast<void>(open_sources(setup, nobody));
+    }
     check_limits(config, setup.arena_bytes, problems);
   } catch (const recording::Error& error) {
     problems.errors.emplace_back(error.what());

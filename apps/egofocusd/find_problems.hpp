@@ -15,7 +15,8 @@ struct Problems {
 };
 
 /// All that can be found, a line each: file or key, what is wrong, what to do. Opens the sources, and closes
-/// them again. `config_out` is what was understood. Throws Error (kFile) when the file cannot be read.
+/// them again; but no device while a daemon runs with the same control socket, which may be using it: that is
+/// a warning. `config_out` is what was understood. Throws Error (kFile) when the file cannot be read.
 [[nodiscard]] Problems find_problems(const std::filesystem::path& config_file, DaemonConfig& config_out);
 
 }  // namespace egofocus::daemon

@@ -1,8 +1,11 @@
 // egofocusd: depth for other processes, from a camera and a bus, for days. This file is its whole life.
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <system_error>
 
 #include "control_server.hpp"
 #include "daemon_config.hpp"
@@ -62,6 +65,7 @@ int complain(const char* what, ExitCode code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  ::mallopt(M_MMAP_THRESHOLD, 128 * 1024);  // fixed: what a reload frees goes back to the system
   CLI::App program("Depth from an event camera and measured motion, as a service.", "egofocusd");
   std::string file = kDefaultConfig;
   std::string request;
@@ -95,6 +99,8 @@ int main(int argc, char** argv) {
     return complain("no memory", ExitCode::kMemory);
   } catch (const std::filesystem::filesystem_error& error) {
     return complain(egofocus::recording::refused(error).what(), ExitCode::kFile);
+  } catch (const std::system_error& error) {  // nothing else throws it here
+    return complain((std::string("no memory for a thread: ") + error.what()).c_str(), ExitCode::kMemory);
   } catch (const std::exception& error) {
     return complain((std::string("internal error: ") + error.what()).c_str(), ExitCode::kInternal);
   }

@@ -64,6 +64,7 @@ void Recorder::begin(const Setup& setup, std::int64_t now_us) {
   wish.dbc_name = setup.camera.can.dbc;
   wish.dbc = setup.dbc;
   wish.config = setup.config_text;
+  wish.can_interface = setup.daemon.can.interface_name;
   wish.size = {static_cast<std::uint16_t>(setup.camera.config.camera.intrinsics.width_px),
                static_cast<std::uint16_t>(setup.camera.config.camera.intrinsics.height_px)};
   const std::lock_guard lock(guard_);
@@ -130,6 +131,7 @@ void Recorder::open(const Wish& wish) {
   bytes_ = 0;
   encoder_ = {};
   origin_us_ = wish.origin_us;
+  can_interface_ = wish.can_interface;
   std::error_code failure;
   if (!fs::create_directory(partial_, failure))
     throw Error(ExitCode::kFile, partial_.string(), "cannot be made (" + failure.message() + ")");
@@ -189,7 +191,7 @@ void Recorder::write_frames() {
     CanFrame frame = ready[0];
     frames_.release(1);
     frame.t_us -= origin_us_;
-    lines.append(line, write_candump_line(frame, "can0", line));
+    lines.append(line, write_candump_line(frame, can_interface_, line));
   }
   append(can_file_, lines);
 }

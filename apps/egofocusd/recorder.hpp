@@ -59,7 +59,7 @@ class Recorder {
  private:
   struct Wish {
     std::int64_t origin_us = 0;
-    std::string camera_toml, dbc_name, dbc, config;
+    std::string camera_toml, dbc_name, dbc, config, can_interface;
     SensorSize size;
   };
 
@@ -91,6 +91,7 @@ class Recorder {
   Descriptor events_file_, can_file_, health_file_;
   Evt3Encoder encoder_;
   std::int64_t origin_us_ = 0;
+  std::string can_interface_;
   std::uint64_t bytes_ = 0;
   std::vector<std::byte> encoded_;
 };

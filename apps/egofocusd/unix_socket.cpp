@@ -100,4 +100,10 @@ Descriptor connect_to(const std::filesystem::path& path, int type, timeval patie
   return socket;
 }
 
+bool is_served(const std::filesystem::path& path) {
+  const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int answer = try_connect(probe.number(), address_of(path));
+  return answer == 0 || answer == EAGAIN;
+}
+
 }  // namespace egofocus::daemon

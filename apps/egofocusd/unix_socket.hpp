@@ -33,4 +33,7 @@ class ListeningSocket {
 /// listens there, or it is not permitted.
 [[nodiscard]] Descriptor connect_to(const std::filesystem::path& path, int type, timeval patience);
 
+/// Somebody answers on the stream socket of that name.
+[[nodiscard]] bool is_served(const std::filesystem::path& path);
+
 }  // namespace egofocus::daemon

@@ -52,7 +52,7 @@ struct Pixel {
 struct FilterConfig {
   std::int64_t refractory_us = 0;      ///< an event this soon after the last kept one of its pixel is dropped
   std::int64_t isolated_us = 0;        ///< no neighbour (8) had an event within this time: dropped
-  std::int32_t hot_pixel_rate_hz = 0;  ///< a pixel above this rate over `hot_pixel_learn_us` is masked
+  std::int32_t hot_pixel_rate_hz = 0;  ///< masked while above this rate over `hot_pixel_learn_us`
   std::int64_t hot_pixel_learn_us = 1000000;
   std::span<const Pixel> hot_pixels;  ///< masked from the start; read by Engine::configure() only
 };

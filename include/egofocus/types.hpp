@@ -62,7 +62,7 @@ struct Intrinsics {
 enum FrameFlag : std::uint32_t {
   kNoParallax = 1u << 0,     ///< translation too small (standstill, pure rotation): nothing can be measured
   kTooFewEvents = 1u << 1,   ///< fewer events in the window than configured
-  kStaleVelocity = 1u << 2,  ///< motion samples ended longer before the tick than allowed
+  kStaleVelocity = 1u << 2,  ///< motion samples, or a gyro's, ended too long before the tick, or contradict
   kNoMotion = 1u << 3,       ///< no ego-motion at all yet: no depth is given
   kOverload = 1u << 4,       ///< events were dropped or decimated on the way to this frame
   kLateTick = 1u << 5,       ///< the tick ran after its deadline

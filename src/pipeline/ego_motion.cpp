@@ -187,6 +187,12 @@ std::int64_t EgoMotion::newest_us() const noexcept {
   return of.history.empty() ? INT64_MIN : of.used_us;
 }
 
+bool EgoMotion::is_stale(std::int64_t t_us) const noexcept {
+  if (t_us - newest_us() > config_.stale_after_us) return true;
+  const auto* const of = std::get_if<Odometric>(&of_);
+  return of != nullptr && of->filter.doubts(t_us, config_.stale_after_us);
+}
+
 bool EgoMotion::known(std::int64_t begin_us, std::int64_t end_us) const noexcept {
   EGOFOCUS_CHECK(begin_us <= end_us);
   if (begin_us < earliest_us() || end_us - newest_us() > kMaxHold_us) return false;

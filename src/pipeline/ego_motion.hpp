@@ -53,6 +53,10 @@ class EgoMotion {
   /// Time of the newest sample used that says how the camera moves; INT64_MIN: none.
   [[nodiscard]] std::int64_t newest_us() const noexcept;
 
+  /// The motion at t_us rests on samples older than config.stale_after_us, on some of the sensors alone, or
+  /// on sensors that contradict each other: VelocityFilter::doubts().
+  [[nodiscard]] bool is_stale(std::int64_t t_us) const noexcept;
+
   /// False: begin_us < earliest_us(), a gap between two poses of the window is longer than allowed, or the
   /// newest sample is older than kMaxHold_us; `out` is then untouched. Precondition: begin_us <= end_us.
   bool track(std::int64_t begin_us, std::int64_t end_us, MotionTrack& out) const noexcept;

@@ -6,6 +6,10 @@ namespace {
 // Far below any time stamp, and far enough from INT64_MIN that differences do not overflow.
 constexpr std::int64_t kNever = INT64_MIN / 4;
 
+enum Heat : std::uint8_t { kCold, kGiven, kLearnt };
+constexpr std::uint32_t kStretches = 1u << 8;
+constexpr std::uint32_t kCounts = 1u << 24;
+
 }  // namespace
 
 Status EventFilter::check(const Config& config) noexcept {
@@ -49,7 +53,7 @@ EventFilter::EventFilter(const Config& config, Arena& arena) noexcept
   for (std::int64_t& t : last_seen_us_) t = kNever;
   if (!hot_.empty()) {
     for (const Pixel& p : config_.hot_pixels)
-      hot_[static_cast<std::size_t>(p.y) * static_cast<std::size_t>(width_) + p.x] = 1;
+      hot_[static_cast<std::size_t>(p.y) * static_cast<std::size_t>(width_) + p.x] = kGiven;
   }
   config_.hot_pixels = {};  // the caller's memory is not ours after set-up
 }
@@ -82,12 +86,29 @@ bool EventFilter::keep(const Event& event) noexcept {
   return true;
 }
 
+// Each stretch of hot_pixel_learn_us counts by itself: a pixel is hot from the event that is one too many to
+// the end of the next stretch, and on as long as it goes on so. Counts are begun anew when a pixel fires, so
+// that a stretch's end costs nothing; one that was silent for just 256 stretches goes on with its old count.
 bool EventFilter::is_hot(std::size_t pixel, std::int64_t t_us) noexcept {
-  if (!learn_count_.empty()) {
-    if (learn_until_us_ == INT64_MIN) learn_until_us_ = t_us + config_.hot_pixel_learn_us;
-    if (t_us < learn_until_us_ && ++learn_count_[pixel] > hot_count_limit_) hot_[pixel] = 1;
+  if (learn_count_.empty()) return hot_[pixel] != kCold;
+  if (learn_until_us_ == INT64_MIN) learn_until_us_ = t_us + config_.hot_pixel_learn_us;
+  if (t_us >= learn_until_us_) {
+    const std::int64_t passed = (t_us - learn_until_us_) / config_.hot_pixel_learn_us + 1;
+    stretch_ = (stretch_ + static_cast<std::uint32_t>(passed)) % kStretches;
+    learn_until_us_ += passed * config_.hot_pixel_learn_us;
   }
-  return hot_[pixel] != 0;
+  std::uint32_t stretch = learn_count_[pixel] / kCounts;
+  std::uint32_t count = learn_count_[pixel] % kCounts;
+  if (stretch != stretch_) {
+    const bool was_last = (stretch + 1) % kStretches == stretch_;
+    if (hot_[pixel] == kLearnt && !(was_last && count > hot_count_limit_)) hot_[pixel] = kCold;
+    stretch = stretch_;
+    count = 0;
+  }
+  if (count + 1 < kCounts) ++count;
+  learn_count_[pixel] = stretch * kCounts + count;
+  if (count > hot_count_limit_ && hot_[pixel] == kCold) hot_[pixel] = kLearnt;
+  return hot_[pixel] != kCold;
 }
 
 bool EventFilter::is_isolated(const Event& event) noexcept {

@@ -36,10 +36,11 @@ class EventFilter {
   std::int64_t hot_count_limit_;
   std::int64_t newest_us_ = INT64_MIN;
   std::int64_t learn_until_us_ = INT64_MIN;
+  std::uint32_t stretch_ = 0;             // of learning, by number
   std::span<std::int64_t> last_kept_us_;  // refractory
   std::span<std::int64_t> last_seen_us_;  // isolated; one pixel of border all around
   std::span<std::uint8_t> hot_;
-  std::span<std::uint32_t> learn_count_;
+  std::span<std::uint32_t> learn_count_;  // 24 bits, below 8 of the stretch that it is of
   EventCounters counters_;
 };
 

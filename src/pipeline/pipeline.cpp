@@ -77,7 +77,7 @@ void Pipeline::tick(std::int64_t tick_us, WorkerPool& pool, FrameSlot& out) noex
       frame.angular_rate_rad_s[i] = motion.angular_rate_rad_s[i];
     }
     frame.velocity_sigma_m_s = speed_sigma_m_s(motion);
-    if (tick_us - ego_motion_->newest_us() > config_.motion.stale_after_us) frame.flags |= kStaleVelocity;
+    if (ego_motion_->is_stale(tick_us)) frame.flags |= kStaleVelocity;
     ladder = choose_ladder(config_.ladder, grid_, *track_);
     frame.window_begin_us = ladder.begin_us;
     if (!ladder.has_parallax) frame.flags |= kNoParallax;

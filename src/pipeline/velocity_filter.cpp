@@ -98,15 +98,54 @@ bool VelocityFilter::use(const OdometrySample& sample) noexcept {
   const Vec3 speed = wheel ? Vec3(sample.velocity_m_s[0], 0, 0) : vec3(sample.velocity_m_s);
   standstill_.see_odometry(speed, sample.t_us);
   notice_departure();
-  if (!ready_ || odometry_us_ - accepted_us_ > kLost_us) start_velocity(sample);
+  if (!ready_ || odometry_us_ - accepted_us_ > kLost_us) {
+    if (ready_) {
+      doubt_until_us_ = t_us_ + kDoubt_us;
+      forget_odometry();
+    }
+    start_velocity(sample);
+  }
+  const std::int64_t since_us = t_us_ - odometry_us_;
   odometry_us_ = t_us_;
+  innovation_[0] = innovation_[1] = innovation_[2] = 0;
+  bool is_accepted = true;
   if (standstill_.standing()) {
     measure_standstill();
-  } else if (!(wheel ? measure_wheel(sample) : measure_body(sample))) {
-    return false;
+  } else {
+    is_accepted = wheel ? measure_wheel(sample) : measure_body(sample);
   }
-  accepted_us_ = t_us_;
-  return true;
+  notice_strain(since_us);
+  if (is_accepted) accepted_us_ = t_us_;
+  return is_accepted;
+}
+
+// What was learnt while it contradicted the rest is as wrong as it may be.
+void VelocityFilter::forget_odometry() noexcept {
+  scale_ = 0;
+  accel_bias_ = Vec3::Zero();
+  gravity_known_ = false;
+  const auto forget = [this](int state, double sigma) {
+    covariance_.row(state).setZero();
+    covariance_.col(state).setZero();
+    covariance_(state, state) = sigma * sigma;
+  };
+  forget(kScale, config_.wheel_scale_error);
+  for (int i = 0; i < 3; ++i) forget(kAccelBias + i, kAccelBiasPrior_m_s2);
+}
+
+void VelocityFilter::notice_strain(std::int64_t since_us) noexcept {
+  const double share = seconds(since_us) < kStrainFor_s ? seconds(since_us) / kStrainFor_s : 1;
+  for (int i = 0; i < 3; ++i) {
+    strain_[i] += share * (innovation_[i] - strain_[i]);
+    if (absolute(strain_[i]) > kMostStrain) doubt_until_us_ = t_us_ + kDoubt_us;
+  }
+}
+
+bool VelocityFilter::doubts(std::int64_t t_us, std::int64_t limit_us) const noexcept {
+  const bool had_gyro = gyro_.t_us > INT64_MIN / 4;
+  const bool rejects = odometry_us_ > accepted_us_;
+  return (had_gyro && t_us - gyro_.t_us > limit_us) || (rejects && t_us - accepted_us_ > limit_us) ||
+         t_us < doubt_until_us_;
 }
 
 /// Propagation, exact in the rotation and of second order in the rest: the step's mean readings act in its
@@ -203,7 +242,7 @@ bool VelocityFilter::measure_wheel(const OdometrySample& sample) noexcept {
   h(kVelocity) = 1 + scale_;
   h(kScale) = velocity_[0];
   const double residual = sample.velocity_m_s[0] - (1 + scale_) * velocity_[0];
-  if (!fits(h, residual, variance)) return false;
+  if (!fits(0, h, residual, variance)) return false;
   update(h, residual, share * variance);
   return true;
 }
@@ -228,11 +267,12 @@ bool VelocityFilter::measure_body(const OdometrySample& sample) noexcept {
   const Vec3* const rows[3] = {&row0, &row1, &row2};
   for (int pass = 0; pass < 2;
        ++pass) {  // first all gates, then all updates: a sample counts whole or not at all
-    for (const Vec3* row : rows) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3* const row = rows[i];
       Row h = Row::Zero();
       h.segment<3>(kVelocity) = row->transpose();
       const double residual = row->dot(measured - velocity_);
-      if (pass == 0 && !fits(h, residual, 1)) return false;
+      if (pass == 0 && !fits(i, h, residual, 1)) return false;
       if (pass == 1) update(h, residual, 1);
     }
   }
@@ -252,8 +292,9 @@ void VelocityFilter::measure_standstill() noexcept {
   for (int i = 0; i < 3; ++i) correct(kVelocity + i, 0, config_.wheel_noise_m_s / 2, Outlier::kWeaken);
 }
 
-bool VelocityFilter::fits(const Row& h, double residual, double variance) const noexcept {
+bool VelocityFilter::fits(int component, const Row& h, double residual, double variance) noexcept {
   const double expected = dot(product(h, covariance_), h) + variance;
+  innovation_[component] = residual / square_root(expected);
   return residual * residual <= kGate2 * expected;
 }
 

@@ -52,6 +52,9 @@ class VelocityFilter {
   static constexpr std::int64_t kSilence_us =
       3000000;                                       ///< no odometry for longer: velocity is no longer known
   static constexpr std::int64_t kLost_us = 1000000;  ///< odometry rejected for longer: velocity starts afresh
+  static constexpr std::int64_t kDoubt_us = 2000000;
+  static constexpr double kStrainFor_s = 0.2;
+  static constexpr double kMostStrain = 2;
 
   /// Precondition: EgoMotion::check(config) is ok.
   explicit VelocityFilter(const MotionConfig& config) noexcept;
@@ -65,6 +68,11 @@ class VelocityFilter {
   [[nodiscard]] bool ready() const noexcept { return ready_; }
   /// The gyro speaks.
   [[nodiscard]] bool has_gyro() const noexcept { return t_us_ - gyro_.t_us <= kHold_us; }
+  /// Something that spoke before contradicts the rest, or has been silent, for longer than `limit_us` at
+  /// `t_us`: the gyro is silent; odometry is rejected; or odometry has not agreed with the rest for
+  /// kDoubt_us. It disagrees when velocity had to start afresh from what was rejected before, and when its
+  /// innovations lean to one side: kMostStrain standard deviations on average over kStrainFor_s.
+  [[nodiscard]] bool doubts(std::int64_t t_us, std::int64_t limit_us) const noexcept;
   /// At the newest sample, in the camera frame.
   [[nodiscard]] CameraMotion camera_motion() const noexcept;
 
@@ -89,11 +97,13 @@ class VelocityFilter {
   void move_to(std::int64_t t_us, const Vec3& gyro, const Vec3& accel) noexcept;
   void start_gravity() noexcept;
   void start_velocity(const OdometrySample& sample) noexcept;
+  void forget_odometry() noexcept;
+  void notice_strain(std::int64_t since_us) noexcept;
   bool measure_wheel(const OdometrySample& sample) noexcept;
   bool measure_body(const OdometrySample& sample) noexcept;
   void notice_departure() noexcept;
   void measure_standstill() noexcept;
-  [[nodiscard]] bool fits(const Row& h, double residual, double variance) const noexcept;
+  [[nodiscard]] bool fits(int component, const Row& h, double residual, double variance) noexcept;
   void update(const Row& h, double residual, double variance) noexcept;
   void correct(int state, double value, double sigma, Outlier outlier) noexcept;
 
@@ -108,6 +118,9 @@ class VelocityFilter {
   Reading accel_;
   std::int64_t odometry_us_ = INT64_MIN / 2;
   std::int64_t accepted_us_ = INT64_MIN / 2;
+  std::int64_t doubt_until_us_ = INT64_MIN / 2;
+  double innovation_[3] = {0, 0, 0};  // of the newest odometry, in standard deviations
+  double strain_[3] = {0, 0, 0};      // their mean
   std::int64_t lateral_us_ = INT64_MIN / 2;
   bool ready_ = false;
   bool gravity_known_ = false;

@@ -63,18 +63,28 @@ step "building with pkg-config" "$compiler" -std=c++20 "$root/tests/checks/consu
 # A C program needs no C++ run-time: the library uses none.
 step "building C with pkg-config" "$c_compiler" -std=c11 "$root/tests/checks/c_api_test.c" -o "$work/c-by-pkg-config" \
   "${flags[@]}"
+# The example in C, by its own Makefile.
+cp -r "$root/examples/feed_engine" "$work/example"
+step "building examples/feed_engine" make -C "$work/example" CC="$c_compiler" PKG_CONFIG="pkg-config ${static_flag[*]}" \
+  CFLAGS="-O2 -Wall -Wextra -Werror"
 
-for program in "$work/by-cmake/consumer" "$work/by-pkg-config" "$work/c-by-pkg-config"; do
+run() { # run PROGRAM
   # The loader of an emulated program reads the variable too; qemu hands it on by -E.
   if ((${#runner[@]} > 0)); then
-    said=$(timeout 60 "${runner[@]}" -E "LD_LIBRARY_PATH=$libdir" "$program" 2>&1)
+    timeout 60 "${runner[@]}" -E "LD_LIBRARY_PATH=$libdir" "$1" 2>&1
   else
-    said=$(LD_LIBRARY_PATH=$libdir timeout 60 "$program" 2>&1)
+    LD_LIBRARY_PATH=$libdir timeout 60 "$1" 2>&1
   fi
+}
+for program in "$work/by-cmake/consumer" "$work/by-pkg-config" "$work/c-by-pkg-config"; do
+  said=$(run "$program")
   [[ $said == *": ok" ]] || { echo "$said"; echo "error: $target $kind: ${program#"$root"/} does not run"; exit 1; }
 done
+said=$(run "$work/example/feed_engine")
+[[ $said =~ flags\ 0,\ median\ depth\ (1\.9|2\.0)[0-9]\ m.running,\ 0\ events\ dropped$ ]] ||
+  { echo "$said"; echo "error: $target $kind: examples/feed_engine does not see the wall at 2 m"; exit 1; }
 
 if [[ $kind == shared ]]; then
   python3 "$root/tests/checks/symbols.py" "$nm" --shared "$work/prefix/include" "$libdir/libegofocus.so" || exit 1
 fi
-echo "$target $kind: installed, moved, consumed by CMake, pkg-config and C"
+echo "$target $kind: installed, moved, consumed by CMake, pkg-config and C, examples/feed_engine as well"

@@ -116,6 +116,7 @@ TEST_CASE("what is wrong or contradicts itself is named with its line") {
       {"max_mib = 4096", "max_mib = 0", "[record] `max_mib` must lie in"},
       {"interface = \"can0\"", "interface = \"a_name_too_long_\"",
        "[can] `interface` must have 1..15 characters"},
+      {"interface = \"can0\"", "interface = \"can 0\"", "[can] `interface` must have 1..15 characters"},
       {"restart_after_us = 0", "restart_after_us = -1", "[can] `restart_after_us` must not be negative"},
       {"group = true", "group = 1", "[depth] `group` must be true or false"},
   };

@@ -31,7 +31,8 @@ struct Bench {
     recording::write_text_file(
         file, "[source]\nrecording = \"" + test::source_dir() +
                   "/fixtures/planes\"\n[engine]\nbackend = \"focus\"\n[record]\nfolder = \"" +
-                  folder.path().string() + "\"\nbuffer_events = 65536\nmax_mib = 1\n");
+                  folder.path().string() +
+                  "\"\nbuffer_events = 65536\nmax_mib = 1\n[can]\ninterface = \"slcan1\"\n");
     return daemon::read_daemon_config(file);
   }
 
@@ -94,7 +95,7 @@ TEST_CASE("nothing is taken before a recording begins and after it ended, and al
   CHECK(got.front().t_us == 1000);
   CHECK(got.back().t_us == 1499);
   CHECK(got.back().x == 1499 % 240);
-  CHECK(recording::read_text_file(facts.folder + "/can.log") == "(0000000000.001234) can0 174#00AB\n");
+  CHECK(recording::read_text_file(facts.folder + "/can.log") == "(0000000000.001234) slcan1 174#00AB\n");
   CHECK(recording::read_text_file(facts.folder + "/health.jsonl") == "{}\n");
   CHECK(recording::read_text_file(facts.folder + "/vehicle.dbc") ==
         recording::read_text_file(test::source_dir() + "/fixtures/planes/vehicle.dbc"));

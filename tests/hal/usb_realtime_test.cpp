@@ -1,4 +1,6 @@
 // A camera on USB streams, stalls and drops without one allocation, lock or exception of ours.
+#include <catch2/catch.hpp>
+
 #include "inivation_stream.hpp"
 #include "support/allocation_trap.hpp"
 #include "usb_cameras.hpp"

@@ -1,4 +1,6 @@
 // A V4L2 stream, with all that can be wrong with its buffers, without one allocation, lock or exception.
+#include <catch2/catch.hpp>
+
 #include "support/allocation_trap.hpp"
 #include "v4l2_bench.hpp"
 

@@ -1,5 +1,6 @@
 // Ticks under the trap. Source threads belong to the caller and may do as they like, so this program feeds
 // spans instead.
+#include <catch2/catch.hpp>
 #include <vector>
 
 #include "core/clock.hpp"
