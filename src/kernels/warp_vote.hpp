@@ -18,10 +18,10 @@ namespace egofocus {
 /// 64; 0 <= width, height <= 16384; width * height <= 2^26; width <= row_stride; height * row_stride <=
 /// plane_stride. An event whose trajectory leaves these ranges is left out by the caller with k_end[i] = 0
 /// and zero operands. Scratch: one u32 per grid cell, all zero at the call and left all zero; one per thread,
-/// reused by all its calls. Without it (null) variants that want it run the scalar loop: the same bytes, slowly.
-/// Alignment: that of the element types. Over-read, over-write: none, and padding bytes of rows and planes
-/// are left alone. Aliasing: stack and scratch overlap nothing. The stack is added to: clear it first where
-/// it is new.
+/// reused by all its calls. Without it (null) variants that want it run the scalar loop: the same bytes,
+/// slowly. Alignment: that of the element types. Over-read, over-write: none, and padding bytes of rows and
+/// planes are left alone. Aliasing: stack and scratch overlap nothing. The stack is added to: clear it first
+/// where it is new.
 struct WarpVote {
   const std::int32_t* u_q16 = nullptr;   ///< [n] column at hypothesis 0, grid px
   const std::int32_t* v_q16 = nullptr;   ///< [n] row at hypothesis 0, grid px
