@@ -181,7 +181,7 @@ step_readme() {
 step_hil() {
   python3 tests/hil/run.py --prepare || exit 1
   TARGETS="hil_programs" configure_and_build release && TARGETS="hil_programs" configure_and_build aarch64-hil
-  local patience=${EGOFOCUS_HIL_PATIENCE:-1}
+  local patience=${EGOFOCUS_HIL_PATIENCE:-4}
   timeout -k 10 $((600 * patience)) python3 tests/hil/run.py --patience "$patience"
 }
 
