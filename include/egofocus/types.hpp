@@ -89,7 +89,8 @@ struct DepthFrame {
   double angular_rate_rad_s[3] = {0, 0, 0};
   double velocity_sigma_m_s = 0;     ///< 1-sigma of |velocity|; the same relative error scales the depth
   std::int64_t window_begin_us = 0;  ///< events from here to t_us count; t_us where no motion was known
-  /// Inverse depths tried, k * 256 * scale for k < hypotheses; 0: nothing was measured.
+  /// Inverse depths tried, k * 256 * scale for k < hypotheses; 0: nothing was measured. Fused depth
+  /// (CarryConfig) may be nearer.
   std::int32_t hypotheses = 0;
   std::span<const std::uint16_t> inverse_depth;  ///< [height * width], row-major
   std::span<const std::uint8_t> confidence;      ///< [height * width], 0 = no estimate, 255 = best

@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::uint32_t kUnitWeight = 1024;              // of a spread of one step
 constexpr std::uint32_t kMostWeight = 20 * kUnitWeight;  // so that what is seen now always counts
-constexpr std::int64_t kLeastSpread_q8 = 154;            // 0.6 steps
+constexpr std::uint32_t kLeastSpread_q8 = 154;           // 0.6 steps
 constexpr std::uint32_t kMostSpread_q8 = 32 * 256;
 constexpr std::int64_t kMostIndex = 65535;
-constexpr std::uint32_t kSure_q8 = 256;  // a second look changes less than this by nothing
+constexpr std::uint32_t kSure_q8 = 256;  // where the first look is this close, a second finds the same
 
 Intrinsics of_cells(const Intrinsics& grid) noexcept {
   const CellGrid cells = cell_grid(grid);

@@ -28,14 +28,14 @@ class FusedDepth {
   bool kept_at(std::int64_t t_us) noexcept;
   /// Earlier depth is as seen from where the camera was at this time. Precondition: kept_at() was true.
   [[nodiscard]] std::int64_t seen_us() const noexcept { return seen_us_; }
-  void drop() noexcept { kept_ = false; }
 
   /// Where a cell's point lay at seen_us(), what was known there, moved to here: fused with what is measured
   /// where they differ by at most 3 sigma; the measurement alone where they differ more (something moved, or
   /// came into view) or nothing was known. `since`: takes points from the camera at seen_us() to the one at
   /// t_us; nullptr: nothing earlier is used. step_per_m: of the cells' index. A cell without an estimate
-  /// stays so, and is forgotten. The result views this object's memory until the next call; `cells` where
-  /// fuse_us is 0.
+  /// stays so, and is forgotten. What was known may be nearer than this tick's ladder, and the result with
+  /// it; its confidence is index / (index + S). The result views this object's memory until the next call.
+  /// Precondition: cells.spread_q8 is known.
   CellDepth fuse(const CellDepth& cells, double step_per_m, std::int64_t t_us, const MotionKnot* since,
                  WorkerPool& pool) noexcept;
 

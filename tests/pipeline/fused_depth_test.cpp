@@ -205,8 +205,6 @@ TEST_CASE("earlier depth ends with its time, with a break in the motion and at t
   CHECK_FALSE(fuser.fused.kept_at(kFuse_us));
   CHECK(off(fuser.add(Measured(kPlane, 1, 1), kFuse_us, &still), 0, alone(1)).most_steps < 0.01);
   CHECK(off(fuser.add(Measured(kPlane, 2, 1), kFuse_us + kTick_us, nullptr), 0, alone(2)).most_steps < 0.01);
-  fuser.fused.drop();
-  CHECK_FALSE(fuser.fused.kept_at(kFuse_us + kTick_us));
 
   // To the right by a third of the picture: what comes in there was not seen before.
   const MotionKnot turn = motion(0.35, 0, 0);
